@@ -1,0 +1,18 @@
+"""The LGMD2 collision detector of juvenile locusts, differentiable in JAX: `import lgmd2jax as lgmd`."""
+
+from lgmd2jax._eye import Eye as Eye
+from lgmd2jax._model import LGMD2 as LGMD2, Layers as Layers, Response as Response, State as State
+from lgmd2jax._parameters import (
+    PRESETS as PRESETS,
+    Parameters as Parameters,
+    Symbol as Symbol,
+    preset as preset,
+    symbols as symbols,
+)
+from lgmd2jax._thresholds import (
+    Hard as Hard,
+    Soft as Soft,
+    StraightThrough as StraightThrough,
+    Thresholds as Thresholds,
+    Widths as Widths,
+)

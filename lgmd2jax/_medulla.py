@@ -1,0 +1,51 @@
+"""The medulla: lateral spread, local sums, the S layer, its gate and the G layer (eqs 5-11).
+
+Pure functions of one frame; the delay of eq. 4 is `_low_pass.low_pass`.
+"""
+
+import jax.numpy as jnp
+from jax.lax import slice_in_dim
+from jaxtyping import Array, Float
+
+from lgmd2jax._parameters import Parameters
+from lgmd2jax._retina import Map
+from lgmd2jax._thresholds import Thresholds
+
+
+def _sum3(x: Map, outer: float, centre: float, axis: int) -> Map:
+    """Three neighbours along `axis`: outer (x(i-1) + x(i+1)) + centre x(i); beyond the border the edge is repeated."""
+    size = x.shape[axis]
+    before = jnp.concatenate([slice_in_dim(x, 0, 1, axis=axis), slice_in_dim(x, 0, size - 1, axis=axis)], axis)
+    after = jnp.concatenate([slice_in_dim(x, 1, size, axis=axis), slice_in_dim(x, size - 1, size, axis=axis)], axis)
+    return outer * (before + after) + centre * x
+
+
+def lateral(d: Map) -> Map:
+    """Eqs 5, 6: W * D with W = 0 at the centre, .25 for the nearest and .125 for the diagonal neighbours.
+
+    [1 2 1] x [1 2 1] / 8 is W but for 1/2 at the centre, and it separates.
+    """
+    return _sum3(_sum3(d, 1, 2, axis=0), 1 / 8, 1 / 4, axis=1) - d / 2
+
+
+def local_sums(on: Map, off: Map, d_on: Map, d_off: Map, w_bias: Float[Array, ""]) -> tuple[Map, Map]:
+    """Eqs 5-7: S_on = ON - w_bias W*D_on, S_off = W*D_off - w_bias OFF.
+
+    The two pathways delay opposite flows: the inhibition in ON, the excitation in OFF.
+    """
+    return on - w_bias * lateral(d_on), lateral(d_off) - w_bias * off
+
+
+def s_layer(s_on: Map, s_off: Map, parameters: Parameters) -> Map:
+    """Eq. 8: S = theta1 S_on + theta2 S_off + theta3 S_on S_off."""
+    return parameters.theta1 * s_on + parameters.theta2 * s_off + parameters.theta3 * s_on * s_off
+
+
+def gate(s: Map, T_s: Float[Array, ""], thresholds: Thresholds) -> Map:
+    """Eq. 9: S' = S where S >= T_s, else 0."""
+    return s * thresholds.s(s, T_s)
+
+
+def g_layer(s_gated: Map) -> Map:
+    """Eq. 10: the 3x3 mean of S'. With repeated edges it keeps the sum, so the potential does not need it."""
+    return _sum3(_sum3(s_gated, 1 / 3, 1 / 3, axis=0), 1 / 3, 1 / 3, axis=1)

@@ -1,0 +1,307 @@
+"""The LGMD2: one frame is `step`, a clip is `jax.lax.scan` over frames of the same two steps."""
+
+from collections.abc import Callable
+from typing import Any
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float, Real
+
+from lgmd2jax import _medulla as medulla, _retina as retina
+from lgmd2jax._eye import Eye
+from lgmd2jax._lobula import CellState, cell_step
+from lgmd2jax._low_pass import LOW_PASS_FORMS, LowPass, coefficient, low_pass
+from lgmd2jax._parameters import Parameters, check_parameters, is_concrete, nearest, symbols
+from lgmd2jax._retina import Map
+from lgmd2jax._thresholds import Hard, Thresholds
+
+
+class PixelState(eqx.Module):
+    """What the pixels keep from one frame to the next. It is pointwise in space: neighbours only feed forward."""
+
+    luminance: Map
+    p: Float[Array, "n_p row col"]
+    on: Map
+    off: Map
+    d_on: Map
+    d_off: Map
+
+
+class State(eqx.Module):
+    """All that the network keeps from one frame to the next."""
+
+    pixels: PixelState
+    cell: CellState
+
+
+class Layers(eqx.Module):
+    """The maps of one frame, in grey levels, for `record` to choose from."""
+
+    p: Map
+    on: Map
+    off: Map
+    d_on: Map
+    d_off: Map
+    s_on: Map
+    s_off: Map
+    s: Map
+    s_gated: Map
+    g: Map
+
+
+class Response(eqx.Module):
+    """What the cell does, a value a frame (scalars from `LGMD2.step`).
+
+    - `mp`: summed potential MP, in grey levels (eq. 11).
+    - `ffi`: delayed feed-forward inhibition Fbar, in grey levels (eq. 14).
+    - `smp`: sigmoid membrane potential U, in [.5, 1), before adaptation (eq. 12).
+    - `smp_adapted`: U' after spike-frequency adaptation (eq. 15).
+    - `spikes`: spikes in this frame, 0 to 2 (eq. 16); fractional between thresholds that are soft.
+    - `collision`: the alarm, 0 or 1 (eq. 17); fractional likewise.
+    - `recorded`: what the `record` function returned, with time as the first axis; None without one.
+    """
+
+    mp: Float[Array, " *time"]
+    ffi: Float[Array, " *time"]
+    smp: Float[Array, " *time"]
+    smp_adapted: Float[Array, " *time"]
+    spikes: Float[Array, " *time"]
+    collision: Float[Array, " *time"]
+    recorded: Any = None
+
+
+Record = Callable[[Layers], Any]
+
+
+class LGMD2(eqx.Module):
+    """The collision-selective network of Fu, Hu & Yue, differentiable and streaming.
+
+    ```python
+    model = LGMD2()                                    # Table I, hard thresholds
+    response = model(frames, fps)                      # a clip
+    state = model.init(frame)                          # the same numbers, a frame at a time
+    state, now = model.step(state, frame, fps)
+    jax.vmap(model, in_axes=(0, None))(clips, fps)     # a batch
+    ```
+
+    **Arguments:**
+
+    - `parameters`: the paper's parameters; they belong to a frame rate and a field of view.
+    - `thresholds`: `Hard()`, `Soft(temperature)` or `StraightThrough(temperature)`.
+    - `n_p`: number of frames that a change of luminance persists (eq. 1).
+    - `low_pass`: how the delays are discretised, `"backward_euler"` or `"exact"` (eqs 4, 14).
+    - `N_ts`: number of past frames in which spikes are counted for an alarm (eq. 17).
+    - `eye`: the sampling that the parameters belong to; where it is given, `fps` may be left out of a call.
+
+    **Raises:** `ValueError` for structure that does not exist and for persistence that is not stable.
+    """
+
+    parameters: Parameters = eqx.field(default_factory=Parameters)
+    thresholds: Thresholds = eqx.field(default_factory=Hard)
+    n_p: int = eqx.field(default=0, static=True)
+    low_pass: LowPass = eqx.field(default="backward_euler", static=True)
+    N_ts: int = eqx.field(default=4, static=True)
+    eye: Eye | None = eqx.field(default=None, static=True)
+
+    def __check_init__(self):
+        for name, kind in (("parameters", Parameters), ("thresholds", Thresholds), ("eye", Eye | None)):
+            if not isinstance(getattr(self, name), kind):
+                raise ValueError(f"{name} is {getattr(self, name)!r}; give {kind!r}")
+        for name in ("n_p", "N_ts"):
+            if not isinstance(getattr(self, name), int) or getattr(self, name) < 0:
+                raise ValueError(f"{name} is {getattr(self, name)!r}; give a whole number of frames, 0 or more")
+        if self.low_pass not in LOW_PASS_FORMS:
+            raise ValueError(f"low_pass is {self.low_pass!r}; choose {nearest(self.low_pass, LOW_PASS_FORMS)}")
+        self._check_persistence()
+
+    def __call__(
+        self,
+        frames: Real[Array, "time row col"],
+        fps: float | Real[Array, ""] | None = None,
+        *,
+        record: Record | None = None,
+        check: bool = False,
+    ) -> Response:
+        """The response to a clip.
+
+        **Arguments:**
+
+        - `frames`: grey levels 0..255, at least 2 frames of at least 3 x 3 pixels. Pixels compute in this dtype
+          (integers: in the parameters'), the cell in the promotion of it with the parameters'.
+        - `fps`: frames per second, by default the eye's.
+        - `record`: a function of `Layers` that returns what to keep of every frame. A function is compiled once, so
+          define it outside of a loop.
+        - `check`: test the values inside a traced call too, at about twice the cost.
+
+        **Raises:** `ValueError` for a wrong shape, and for concrete values that are not finite or out of their domain.
+        """
+        frames = _as_pixels(frames, self.parameters, "frames", "(time, row, col)", rank=3)
+        if frames.shape[0] < 2:
+            raise ValueError("frames holds one frame; the network sees changes, so give at least 2")
+        interval = self._interval(fps)
+        check_parameters(self.parameters)
+        self._check_persistence()
+        response = _respond(self, frames, interval, record)
+        return self._checked(response, interval, check)
+
+    def init(self, frame: Real[Array, "row col"]) -> State:
+        """The state before the first frame: at rest, with `frame` as what was seen before, L(-1).
+
+        `step(init(frames[0]), frames[0], fps)` is the first output of a clip.
+
+        **Raises:** `ValueError` for a wrong shape.
+        """
+        frame = _as_pixels(frame, self.parameters, "frame", "(row, col)", rank=2)
+        return State(self._rest(frame), CellState.rest(self.N_ts, self._cell_dtype(frame)))
+
+    def step(
+        self,
+        state: State,
+        frame: Real[Array, "row col"],
+        fps: float | Real[Array, ""] | None = None,
+        *,
+        interval: float | Real[Array, ""] | None = None,
+        record: Record | None = None,
+        check: bool = False,
+    ) -> tuple[State, Response]:
+        """One frame: the next state, and the response now.
+
+        **Arguments:** as for a call, with one `frame` of (row, col), and
+
+        - `interval`: ms since the last frame, instead of `fps`, for a camera whose clock jitters or that loses frames.
+          The time constants are then right; the change of luminance still is the one between the two frames.
+
+        **Raises:** `ValueError` as for a call, and for a frame of another size than the state's.
+        """
+        frame = _as_pixels(frame, self.parameters, "frame", "(row, col)", rank=2)
+        if frame.shape != state.pixels.luminance.shape:
+            raise ValueError(
+                f"frame has shape {frame.shape}, the state {state.pixels.luminance.shape}; start anew with init(frame)"
+            )
+        if interval is None:
+            interval = self._interval(fps)
+        elif fps is not None:
+            raise ValueError("fps and interval are both given; give the one that is known")
+        else:
+            interval = _positive(interval, "interval", "ms")
+        state, response = _advance(self, state, frame, interval, record)
+        return state, self._checked(response, interval, check)
+
+    def _rest(self, frame: Map) -> PixelState:
+        zero = jnp.zeros_like(frame)
+        return PixelState(frame, jnp.zeros((self.n_p, *frame.shape), frame.dtype), zero, zero, zero, zero)
+
+    def _cell_dtype(self, frame):
+        return jnp.result_type(frame.dtype, self.parameters.tau1.dtype)
+
+    def _pixel_step(self, state: PixelState, frame: Map, interval) -> tuple[PixelState, tuple[Array, Array, Layers]]:
+        """Eqs 1-11 and 13: the next state of the pixels; MP, F and the layers of this frame."""
+        parameters, interval = _cast((self.parameters, interval), frame.dtype)
+        a = coefficient(parameters.tau1, interval, self.low_pass)
+
+        p = retina.photoreceptors(frame, state.luminance, state.p, parameters.u)
+        on, off = retina.half_wave(p)
+        on = retina.residual(on, state.on, parameters.sigma1)
+        off = retina.residual(off, state.off, parameters.sigma1)
+        d_on = low_pass(state.d_on, on, a)
+        d_off = low_pass(state.d_off, off, a)
+        s_on, s_off = medulla.local_sums(on, off, d_on, d_off, parameters.w_bias)
+        s = medulla.s_layer(s_on, s_off, parameters)
+        s_gated = medulla.gate(s, parameters.T_s, self.thresholds)
+
+        history = jnp.concatenate([p[None], state.p])[: self.n_p]
+        layers = Layers(p, on, off, d_on, d_off, s_on, s_off, s, s_gated, medulla.g_layer(s_gated))
+        # Divided inside of the sum: a product outside would be fused into the cell by `step` and not by the scan, and
+        # the two would round differently.
+        mp, f = s_gated.sum(), (retina.magnitude(p) / p.size).sum()
+        return PixelState(frame, history, on, off, d_on, d_off), (mp, f, layers)
+
+    def _cell_step(self, state: CellState, mp, f, interval, pixels: int) -> tuple[CellState, dict]:
+        """Eqs 12-17 in the cell's own precision."""
+        dtype = state.u.dtype
+        parameters, interval, mp, f = _cast((self.parameters, interval, mp, f), dtype)
+        return cell_step(state, mp, f, parameters, self.thresholds, interval, pixels, self.low_pass)
+
+    def _interval(self, fps):
+        if fps is None:
+            if self.eye is None:
+                raise ValueError("fps is missing; give it, or a model with an eye")
+            fps = self.eye.fps
+        return 1000 / _positive(fps, "fps", "frames per second")
+
+    def _check_persistence(self):
+        if self.n_p and is_concrete(self.parameters.u):
+            total = np.sum(1 / (1 + np.exp(np.outer(np.ravel(self.parameters.u), np.arange(1, self.n_p + 1)))), axis=1)
+            if np.any(total >= 1):
+                raise ValueError(
+                    f"u is {self.parameters.u} with n_p = {self.n_p}: the persistence sums to {total.max():.3g} and is "
+                    "stable only below 1; raise u or lower n_p"
+                )
+
+    def _checked(self, response: Response, interval, check: bool) -> Response:
+        """The response, once it is clear that frames and parameters were in order.
+
+        A frame that is not finite shows in F, the mean over all pixels, so that no second pass over frames is needed.
+        """
+        if is_concrete(response.ffi):
+            bad = np.flatnonzero(~np.isfinite(response.ffi))
+            if bad.size:
+                raise ValueError(f"frames holds values that are not finite, first in frame {bad[0]}; mask or fill them")
+        elif check:
+            response = eqx.error_if(response, ~jnp.isfinite(response.ffi), "frames holds values that are not finite")
+            response = eqx.error_if(response, ~((interval > 0) & jnp.isfinite(interval)), "fps is not positive")
+            for name, symbol in symbols().items():
+                value, (low, high) = getattr(self.parameters, name), symbol.limits
+                above = value >= low if symbol.domain[0] == "[" else value > low
+                below = value <= high if symbol.domain[-1] == "]" else value < high
+                response = eqx.error_if(response, ~(above & below), f"{name} must lie in {symbol.domain}")
+        return response
+
+
+@eqx.filter_jit
+def _respond(model: LGMD2, frames, interval, record) -> Response:
+    def pixels(state, frame):
+        state, (mp, f, layers) = model._pixel_step(state, frame, interval)
+        return state, (mp, f, None if record is None else record(layers))
+
+    def cell(state, potentials):
+        mp, f = potentials
+        return model._cell_step(state, mp, f, interval, frames[0].size)
+
+    _, (mp, f, recorded) = jax.lax.scan(pixels, model._rest(frames[0]), frames)
+    _, channels = jax.lax.scan(cell, CellState.rest(model.N_ts, model._cell_dtype(frames)), (mp, f))
+    return Response(**channels, recorded=recorded)
+
+
+@eqx.filter_jit
+def _advance(model: LGMD2, state: State, frame, interval, record) -> tuple[State, Response]:
+    pixels, (mp, f, layers) = model._pixel_step(state.pixels, frame, interval)
+    cell, channels = model._cell_step(state.cell, mp, f, interval, frame.size)
+    return State(pixels, cell), Response(**channels, recorded=None if record is None else record(layers))
+
+
+def _as_pixels(frames, parameters: Parameters, name: str, shape: str, rank: int) -> Array:
+    """Frames in the dtype in which pixels compute, their shape checked."""
+    frames = jnp.asarray(frames)
+    if frames.ndim != rank:
+        raise ValueError(f"{name} has shape {frames.shape}; give grey levels as {shape}")
+    if min(frames.shape[-2:]) < 3:
+        raise ValueError(f"{name} has shape {frames.shape}; the lateral spread needs at least 3 rows and 3 columns")
+    if jnp.issubdtype(frames.dtype, jnp.integer):
+        return frames.astype(parameters.tau1.dtype)
+    if frames.dtype not in (jnp.float32, jnp.float64):
+        raise ValueError(f"{name} has dtype {frames.dtype}; give integers, float32 or float64")
+    return frames
+
+
+def _positive(value, name: str, unit: str) -> Array:
+    """A strong array, so that another value does not compile again; checked where it is concrete."""
+    if is_concrete(value) and not (np.ndim(value) == 0 and np.isfinite(value) and value > 0):
+        raise ValueError(f"{name} is {value}; give a positive number of {unit}")
+    return jnp.asarray(value, dtype=float)
+
+
+def _cast(tree, dtype):
+    return jax.tree.map(lambda leaf: leaf.astype(dtype), tree)

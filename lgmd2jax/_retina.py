@@ -1,0 +1,39 @@
+"""The retina: photoreceptors, and the split into ON and OFF (eqs 1-3). Pure functions of one frame."""
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+Map = Float[Array, "row col"]
+
+
+def persistence(u: Float[Array, ""], n_p: int) -> Float[Array, " n_p"]:
+    """Eq. 1: a_i = 1/(1 + exp(u i)) for i = 1..n_p, the share that is left of the change i frames ago."""
+    i = jnp.arange(1, n_p + 1, dtype=u.dtype)
+    return 1 / (1 + jnp.exp(u * i))
+
+
+def photoreceptors(luminance: Map, previous: Map, history: Float[Array, "n_p row col"], u: Float[Array, ""]) -> Map:
+    """Eq. 1: P(t) = L(t) - L(t-1) + sum_i a_i P(t-i), in grey levels.
+
+    **Arguments:** `history` holds P(t-1) .. P(t-n_p).
+    """
+    p = luminance - previous
+    a = persistence(u, len(history))
+    for i in range(len(history)):
+        p = p + a[i] * history[i]
+    return p
+
+
+def half_wave(p: Map) -> tuple[Map, Map]:
+    """Eq. 2: on = max(P, 0), off = max(-P, 0). `jnp.maximum` has slope 1/2 at 0, the central difference."""
+    return jnp.maximum(p, 0), jnp.maximum(-p, 0)
+
+
+def residual(y: Map, previous: Map, sigma1: Float[Array, ""]) -> Map:
+    """Eq. 3: Y(t) = y(t) + sigma1 Y(t-1), for ON and OFF alike."""
+    return y + sigma1 * previous
+
+
+def magnitude(x: Float[Array, " *map"]) -> Float[Array, " *map"]:
+    """abs(x) with slope 0 at 0. `jnp.abs` has slope 1 there, which makes every pixel at rest wrong."""
+    return jnp.maximum(x, 0) + jnp.maximum(-x, 0)

@@ -1,0 +1,29 @@
+"""Settings of the whole suite: float64, no silent broadcasting, shapes and types checked on every call."""
+
+import os
+import pathlib
+
+import jax
+import jaxtyping
+import pytest
+
+jax.config.update("jax_enable_x64", True)
+jax.config.update("jax_numpy_rank_promotion", "raise")
+jaxtyping.install_import_hook("lgmd2jax", "beartype.beartype")
+
+
+@pytest.fixture
+def untyped():
+    """Shape annotations switched off, as for a user, so that the library's own errors are what is seen."""
+    jaxtyping.config.update("jaxtyping_disable", True)
+    yield
+    jaxtyping.config.update("jaxtyping_disable", False)
+
+
+@pytest.fixture(scope="session")
+def data() -> pathlib.Path:
+    """The folder with recorded responses and clips, or a skip."""
+    folder = pathlib.Path(os.environ.get("LGMD2JAX_DATA", pathlib.Path(__file__).parents[2] / "shared" / "data"))
+    if not folder.is_dir():
+        pytest.skip(f"no recordings at {folder}; set LGMD2JAX_DATA to the folder that holds them")
+    return folder
