@@ -1,5 +1,6 @@
 """The LGMD2: one frame is `step`, a clip is `jax.lax.scan` over frames of the same two steps."""
 
+import warnings
 from collections.abc import Callable
 from typing import Any
 
@@ -73,6 +74,7 @@ class Response(eqx.Module):
 
 
 Record = Callable[[Layers], Any]
+Number = float | int | np.number | Real[Array | np.ndarray, ""]
 
 
 class LGMD2(eqx.Module):
@@ -118,8 +120,8 @@ class LGMD2(eqx.Module):
 
     def __call__(
         self,
-        frames: Real[Array, "time row col"],
-        fps: float | Real[Array, ""] | None = None,
+        frames: Real[Array | np.ndarray, "time row col"],
+        fps: Number | None = None,
         *,
         record: Record | None = None,
         check: bool = False,
@@ -138,15 +140,16 @@ class LGMD2(eqx.Module):
         **Raises:** `ValueError` for a wrong shape, and for concrete values that are not finite or out of their domain.
         """
         frames = _as_pixels(frames, self.parameters, "frames", "(time, row, col)", rank=3)
-        if frames.shape[0] < 2:
-            raise ValueError("frames holds one frame; the network sees changes, so give at least 2")
+        if len(frames) < 2:
+            count = "one frame" if len(frames) else "0 frames"
+            raise ValueError(f"frames holds {count}; the network sees changes, so give at least 2")
         interval = self._interval(fps)
         check_parameters(self.parameters)
         self._check_persistence()
         response = _respond(self, frames, interval, record)
         return self._checked(response, interval, check)
 
-    def init(self, frame: Real[Array, "row col"]) -> State:
+    def init(self, frame: Real[Array | np.ndarray, "row col"]) -> State:
         """The state before the first frame: at rest, with `frame` as what was seen before, L(-1).
 
         `step(init(frames[0]), frames[0], fps)` is the first output of a clip.
@@ -159,10 +162,10 @@ class LGMD2(eqx.Module):
     def step(
         self,
         state: State,
-        frame: Real[Array, "row col"],
-        fps: float | Real[Array, ""] | None = None,
+        frame: Real[Array | np.ndarray, "row col"],
+        fps: Number | None = None,
         *,
-        interval: float | Real[Array, ""] | None = None,
+        interval: Number | None = None,
         record: Record | None = None,
         check: bool = False,
     ) -> tuple[State, Response]:
@@ -229,14 +232,17 @@ class LGMD2(eqx.Module):
             if self.eye is None:
                 raise ValueError("fps is missing; give it, or a model with an eye")
             fps = self.eye.fps
-        return 1000 / _positive(fps, "fps", "frames per second")
+        interval = 1000 / _positive(fps, "fps", "frames per second")
+        if self.eye is not None and is_concrete(fps) and abs(fps / self.eye.fps - 1) > 0.01:
+            warnings.warn(f"the parameters belong to {self.eye.fps:g} frames per second, not {fps:g}", stacklevel=3)
+        return interval
 
     def _check_persistence(self):
         if self.n_p and is_concrete(self.parameters.u):
-            total = np.sum(1 / (1 + np.exp(np.outer(np.ravel(self.parameters.u), np.arange(1, self.n_p + 1)))), axis=1)
-            if np.any(total >= 1):
+            total = max(float(retina.persistence(u, self.n_p).sum()) for u in jnp.ravel(self.parameters.u))
+            if total >= 1:
                 raise ValueError(
-                    f"u is {self.parameters.u} with n_p = {self.n_p}: the persistence sums to {total.max():.3g} and is "
+                    f"u is {self.parameters.u} with n_p = {self.n_p}: the persistence sums to {total:.3g} and is "
                     "stable only below 1; raise u or lower n_p"
                 )
 
@@ -253,15 +259,17 @@ class LGMD2(eqx.Module):
             response = eqx.error_if(response, ~jnp.isfinite(response.ffi), "frames holds values that are not finite")
             response = eqx.error_if(response, ~((interval > 0) & jnp.isfinite(interval)), "fps is not positive")
             for name, symbol in symbols().items():
-                value, (low, high) = getattr(self.parameters, name), symbol.limits
-                above = value >= low if symbol.domain[0] == "[" else value > low
-                below = value <= high if symbol.domain[-1] == "]" else value < high
-                response = eqx.error_if(response, ~(above & below), f"{name} must lie in {symbol.domain}")
+                outside = ~symbol.contains(getattr(self.parameters, name))
+                response = eqx.error_if(response, outside, f"{name} must lie in {symbol.domain}")
+            unstable = retina.persistence(self.parameters.u, self.n_p).sum() >= 1
+            response = eqx.error_if(response, unstable, "u is too low: the persistence sums to 1 or more")
         return response
 
 
 @eqx.filter_jit
 def _respond(model: LGMD2, frames, interval, record) -> Response:
+    model, interval = _opaque((model, interval))
+
     def pixels(state, frame):
         state, (mp, f, layers) = model._pixel_step(state, frame, interval)
         return state, (mp, f, None if record is None else record(layers))
@@ -277,14 +285,24 @@ def _respond(model: LGMD2, frames, interval, record) -> Response:
 
 @eqx.filter_jit
 def _advance(model: LGMD2, state: State, frame, interval, record) -> tuple[State, Response]:
+    model, interval = _opaque((model, interval))
     pixels, (mp, f, layers) = model._pixel_step(state.pixels, frame, interval)
     cell, channels = model._cell_step(state.cell, mp, f, interval, frame.size)
     return State(pixels, cell), Response(**channels, recorded=None if record is None else record(layers))
 
 
+def _opaque(tree):
+    """The same, but never folded as a constant: so closed-over and passed parameters round alike, to the bit."""
+    arrays, rest = eqx.partition(tree, eqx.is_array)
+    return eqx.combine(jax.lax.optimization_barrier(arrays), rest)
+
+
 def _as_pixels(frames, parameters: Parameters, name: str, shape: str, rank: int) -> Array:
     """Frames in the dtype in which pixels compute, their shape checked."""
-    frames = jnp.asarray(frames)
+    try:
+        frames = jnp.asarray(frames)
+    except TypeError:
+        raise ValueError(f"{name} is {frames!r:.40}; give an array of grey levels as {shape}") from None
     if frames.ndim != rank:
         raise ValueError(f"{name} has shape {frames.shape}; give grey levels as {shape}")
     if min(frames.shape[-2:]) < 3:
@@ -298,8 +316,8 @@ def _as_pixels(frames, parameters: Parameters, name: str, shape: str, rank: int)
 
 def _positive(value, name: str, unit: str) -> Array:
     """A strong array, so that another value does not compile again; checked where it is concrete."""
-    if is_concrete(value) and not (np.ndim(value) == 0 and np.isfinite(value) and value > 0):
-        raise ValueError(f"{name} is {value}; give a positive number of {unit}")
+    if isinstance(value, str) or (is_concrete(value) and not (np.ndim(value) == 0 and 0 < value < np.inf)):
+        raise ValueError(f"{name} is {value!r}; give a positive number of {unit}")
     return jnp.asarray(value, dtype=float)
 
 

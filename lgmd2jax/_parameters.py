@@ -2,7 +2,6 @@
 
 import dataclasses
 import difflib
-import math
 from collections.abc import Mapping
 
 import equinox as eqx
@@ -38,17 +37,19 @@ class Symbol:
         low, high = self.domain[1:-1].split(",")
         return float(low), float(high)
 
-    def contains(self, value: float) -> bool:
-        """Whether `value` is finite and lies in `domain`."""
+    def contains(self, value):
+        """Whether `value`, a number or an array, lies in `domain`; it is finite then, since infinity is an open end."""
         low, high = self.limits
         above = value >= low if self.domain[0] == "[" else value > low
         below = value <= high if self.domain[-1] == "]" else value < high
-        return math.isfinite(value) and above and below
+        return above & below
 
 
 def _scalar(value) -> Array:
     """A strongly typed floating scalar, so that a value never changes what is compiled."""
     value = value if eqx.is_array(value) else np.asarray(value)
+    if value.dtype.kind not in "fiub":
+        raise ValueError(f"a parameter is {value!s}; give a number")
     if not jnp.issubdtype(value.dtype, jnp.floating):
         value = value.astype(float)
     return jnp.asarray(value, dtype=jax.dtypes.canonicalize_dtype(value.dtype))
@@ -196,10 +197,10 @@ def check_parameters(parameters: Parameters) -> None:
         leaf = getattr(parameters, name)
         if not is_concrete(leaf):
             continue
-        for value in np.ravel(leaf):
-            if not symbol.contains(float(value)):
-                unit = "" if symbol.unit == "1" else f" {symbol.unit}"
-                raise ValueError(f"{name} is {value:g}{unit}; it must lie in {symbol.domain}{unit}")
+        outside = np.ravel(leaf)[~symbol.contains(np.ravel(leaf))]
+        if outside.size:
+            unit = "" if symbol.unit == "1" else f" {symbol.unit}"
+            raise ValueError(f"{name} is {outside[0]:g}{unit}; it must lie in {symbol.domain}{unit}")
 
 
 PRESETS: Mapping[str, Mapping[str, float]] = {

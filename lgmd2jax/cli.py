@@ -3,14 +3,26 @@
 import argparse
 import sys
 
+import jax
+
+from lgmd2jax import _command_fit, _command_respond, _command_stimuli
+
+
+class _Parser(argparse.ArgumentParser):
+    """Says what is wrong in one line, as the commands do, instead of repeating the usage."""
+
+    def error(self, message):
+        self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
+
 
 def main(arguments: list[str] | None = None) -> int:
     """Run one command and return its exit status: 0, or 1 with one line on standard error."""
-    parser = argparse.ArgumentParser(prog="lgmd2jax", description="The LGMD2 collision detector of juvenile locusts.")
+    parser = _Parser(prog="lgmd2jax", description="The LGMD2 collision detector of juvenile locusts.")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
-    for add in ():
+    for add in (_command_respond.add, _command_fit.add, _command_stimuli.add):
         add(commands)
     options = parser.parse_args(arguments)
+    jax.config.update("jax_enable_x64", True)
     try:
         options.run(options)
     except (ValueError, OSError) as error:

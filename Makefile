@@ -1,0 +1,24 @@
+# make fit    set everything up, fit the shipped recipe, leave the results in fits/dcmd/
+# make test   set everything up, run the tests
+# make lint   set everything up, check style and types
+PYTHON ?= python3
+VENV ?= .venv
+
+.PHONY: fit test lint
+fit: $(VENV)/ready
+	$(VENV)/bin/lgmd2jax fit fits/dcmd.toml
+
+test: $(VENV)/ready
+	$(VENV)/bin/python -m pytest -n 2
+
+lint: $(VENV)/ready
+	$(VENV)/bin/ruff check
+	$(VENV)/bin/ruff format --check
+	$(VENV)/bin/pyright
+
+$(VENV)/ready: pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' \
+		|| { echo "lgmd2jax needs Python 3.11 or later; name one: make PYTHON=python3.12"; exit 1; }
+	$(PYTHON) -m venv $(VENV)
+	$(VENV)/bin/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	touch $@

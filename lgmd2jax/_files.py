@@ -1,0 +1,33 @@
+"""Files appear whole or not at all."""
+
+import contextlib
+import os
+import secrets
+from collections.abc import Iterator
+from pathlib import Path
+
+
+@contextlib.contextmanager
+def replaced(path: str | os.PathLike) -> Iterator[Path]:
+    """Write to the yielded temporary path; it becomes `path` when the block ends well and is removed when it does not.
+
+    The temporary file stands in the same folder, with the same suffix (writers choose a format by it), and is made at
+    once, so that a folder that cannot be written to is known before the work starts.
+
+    **Raises:** `ValueError` when `path` cannot become a file: its folder does not exist or refuses, or it is no file.
+    """
+    path = Path(path)
+    if not path.parent.is_dir():
+        raise ValueError(f"the folder {path.parent} does not exist; make it first, or write {path.name} elsewhere")
+    if path.exists() and not path.is_file():
+        raise ValueError(f"{path} exists and is not a file; give another name")
+    temporary = path.with_name(f".{path.stem}.{secrets.token_hex(4)}{path.suffix}")
+    try:
+        temporary.touch(exist_ok=False)
+    except OSError as error:
+        raise ValueError(f"cannot write {path}: {error.strerror}") from error
+    try:
+        yield temporary
+        os.replace(temporary, path)
+    finally:
+        temporary.unlink(missing_ok=True)

@@ -1,0 +1,43 @@
+"""What the cell did over a clip, as a table: a row a frame, and its columns."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float, Int
+
+
+class Row(NamedTuple):
+    """A line of the CSV file. `frame` counts the frames of the file from 0, repeated ones as well."""
+
+    frame: int
+    time_ms: float
+    mp: float
+    ffi: float
+    smp: float
+    smp_adapted: float
+    spikes: int
+    collision: int
+
+
+class Trace(NamedTuple):
+    """The columns of the CSV file."""
+
+    frame: Int[np.ndarray, " time"]
+    time_ms: Float[np.ndarray, " time"]
+    mp: Float[np.ndarray, " time"]
+    ffi: Float[np.ndarray, " time"]
+    smp: Float[np.ndarray, " time"]
+    smp_adapted: Float[np.ndarray, " time"]
+    spikes: Int[np.ndarray, " time"]
+    collision: Int[np.ndarray, " time"]
+
+    @classmethod
+    def of(cls, rows: Sequence[Row]) -> "Trace":
+        """The columns of these rows."""
+        return cls(*(np.array(column) for column in zip(*rows, strict=True)))
+
+    def alarms(self) -> list[tuple[int, int]]:
+        """First and last row of every stretch in which the alarm is on."""
+        edges = np.flatnonzero(np.diff(self.collision, prepend=0, append=0))
+        return [(int(start), int(after) - 1) for start, after in zip(edges[::2], edges[1::2], strict=True)]

@@ -1,0 +1,258 @@
+"""The hard-threshold LGMD2 in NumPy alone: one file to copy to a robot, beside the hand-over file model.json.
+
+```python
+import hard
+
+model = hard.load("model.json")
+while True:
+    now = model.step(camera.read())  # grey levels 0..255, any size from 3 x 3
+    if now.collision:
+        robot.turn()
+```
+
+`model.step(frame, interval=ms)` takes the time since the last frame where the camera's clock is known, and
+`model(frames)` gives the response to a whole clip. The equations are those of Fu, Hu & Yue (arXiv 1801.06452).
+"""
+
+import json
+import math
+import warnings
+from collections.abc import Iterable, Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+FORMAT = "lgmd2jax-model"
+VERSION = 1
+DOMAINS = {
+    "theta1": "[0, inf)",
+    "theta2": "[0, inf)",
+    "theta3": "[0, inf)",
+    "tau1": "(0, inf)",
+    "tau2": "(0, inf)",
+    "tau3": "(0, inf)",
+    "w_bias": "[0, inf)",
+    "sigma1": "[0, 1)",
+    "T_s": "[0, inf)",
+    "T_ffi": "(0, inf)",
+    "T_sfa": "[-1, 1]",
+    "T_sp": "(0.5, 1)",
+    "sigma_sp": "[0, inf)",
+    "k": "(0, inf)",
+    "u": "(-inf, inf)",
+    "N_sp": "(0, inf)",
+}
+
+
+class Response(NamedTuple):
+    """What the cell does in a frame, or an array over the frames of a clip.
+
+    `mp` and `ffi` in grey levels; `smp` before and `smp_adapted` after adaptation, in [.5, 1); `spikes` 0, 1 or 2;
+    `collision` the alarm.
+    """
+
+    mp: Any
+    ffi: Any
+    smp: Any
+    smp_adapted: Any
+    spikes: Any
+    collision: Any
+
+
+class HardLGMD2:
+    """The network with hard thresholds, a frame at a time.
+
+    **Arguments:**
+
+    - `parameters`: a value for each of `DOMAINS`, by the paper's symbols, in its domain.
+    - `fps`: frames per second that the parameters belong to; None if every step is given its interval.
+    - `n_p`, `low_pass`, `N_ts`: structure, as in the hand-over file.
+
+    **Raises:** `ValueError` for parameters that are missing, unknown or out of their domain, and for unknown structure.
+    """
+
+    def __init__(
+        self,
+        parameters: Mapping[str, float],
+        fps: float | None = None,
+        *,
+        n_p: int = 0,
+        low_pass: str = "backward_euler",
+        N_ts: int = 4,
+    ):
+        _check_parameters(parameters)
+        _check_structure({"n_p": n_p, "low_pass": low_pass, "N_ts": N_ts})
+        _check_rate(fps)
+        self.parameters = {name: float(parameters[name]) for name in DOMAINS}
+        self.fps, self.n_p, self.low_pass, self.N_ts = fps, n_p, low_pass, N_ts
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget all frames; the next one sets what was seen before it."""
+        self._luminance = None
+
+    def __call__(self, frames: Iterable[np.ndarray], fps: float | None = None) -> Response:
+        """The response to a clip, from rest: an array over time in each field.
+
+        **Arguments:** `frames` of (time, row, col) or any iterable of (row, col); `fps` by default the model's.
+        """
+        _check_rate(fps)
+        if fps and self.fps and abs(fps / self.fps - 1) > 0.01:
+            warnings.warn(f"the parameters belong to {self.fps:g} frames per second, not {fps:g}", stacklevel=2)
+        self.reset()
+        now = [self.step(frame, fps and 1000 / fps) for frame in frames]
+        if not now:
+            raise ValueError("frames is empty; give at least one frame")
+        return Response(*(np.array(channel) for channel in zip(*now, strict=True)))
+
+    def step(self, frame: np.ndarray, interval: float | None = None) -> Response:
+        """One frame.
+
+        **Arguments:** `frame` of (row, col) in grey levels 0..255; `interval` in ms since the last frame, by default
+        1000/fps.
+
+        **Raises:** `ValueError` for a frame of the wrong shape or not finite; the state stays as it was.
+        """
+        frame = np.asarray(frame, dtype=float)  # before any difference: uint8 3 - 5 is 254
+        self._check_frame(frame)
+        if interval is None:
+            if self.fps is None:
+                raise ValueError("the model has no frame rate; give the interval since the last frame in ms")
+            interval = 1000 / self.fps
+        if not (math.isfinite(interval) and interval > 0):
+            raise ValueError(f"interval is {interval}; give a positive number of ms")
+        if self._luminance is None:
+            self._start(frame)
+        return self._cell(*self._pixels(frame, interval), frame.size, interval)
+
+    def _start(self, frame):
+        self._luminance = frame
+        self._history = [np.zeros_like(frame)] * self.n_p
+        self._on = self._off = self._d_on = self._d_off = np.zeros_like(frame)
+        self._ffi, self._smp, self._smp_adapted = 0.0, 0.5, 0.5
+        self._spikes = [0] * self.N_ts
+
+    def _pixels(self, frame, interval):
+        """Eqs 1-11 and 13: MP and F."""
+        v = self.parameters
+        p = frame - self._luminance
+        for i, past in enumerate(self._history, start=1):
+            p = p + past / (1 + math.exp(v["u"] * i))
+        self._luminance, self._history = frame, [p, *self._history][: self.n_p]
+        self._on = np.maximum(p, 0) + v["sigma1"] * self._on
+        self._off = np.maximum(-p, 0) + v["sigma1"] * self._off
+        a = self._coefficient(v["tau1"], interval)
+        self._d_on = self._d_on + a * (self._on - self._d_on)
+        self._d_off = self._d_off + a * (self._off - self._d_off)
+        s_on = self._on - v["w_bias"] * _lateral(self._d_on)
+        s_off = _lateral(self._d_off) - v["w_bias"] * self._off
+        s = v["theta1"] * s_on + v["theta2"] * s_off + v["theta3"] * s_on * s_off
+        return float(s[s >= v["T_s"]].sum()), float(np.abs(p).mean())
+
+    def _cell(self, mp, f, pixels, interval):
+        """Eqs 12-17."""
+        v = self.parameters
+        self._ffi += self._coefficient(v["tau2"], interval) * (f - self._ffi)
+        smp = 1 / (1 + math.exp(-abs(mp) / (pixels * v["k"]))) if self._ffi <= v["T_ffi"] else 0.5
+        c = v["tau3"] / (v["tau3"] + interval)
+        rise = smp - self._smp
+        adapted = c * (self._smp_adapted + rise) if rise <= v["T_sfa"] else c * smp
+        self._smp, self._smp_adapted = smp, max(adapted, 0.5)
+        spikes = int(self._smp_adapted >= v["T_sp"]) + int(self._smp_adapted > v["T_sp"] + v["sigma_sp"])
+        window = [*self._spikes, spikes]
+        self._spikes = window[1:]
+        return Response(mp, self._ffi, smp, self._smp_adapted, spikes, sum(window) >= v["N_sp"])
+
+    def _coefficient(self, tau, interval):
+        return -math.expm1(-interval / tau) if self.low_pass == "exact" else interval / (interval + tau)
+
+    def _check_frame(self, frame):
+        if frame.ndim != 2 or min(frame.shape) < 3:
+            raise ValueError(f"frame has shape {frame.shape}; give grey levels of (row, col), at least 3 x 3")
+        if self._luminance is not None and frame.shape != self._luminance.shape:
+            raise ValueError(f"frame has shape {frame.shape}, those before {self._luminance.shape}; call reset() first")
+        if not np.isfinite(frame).all():
+            raise ValueError("frame holds values that are not finite; mask or fill them")
+
+
+def load(path) -> HardLGMD2:
+    """The model of a hand-over file.
+
+    **Raises:** `ValueError` that says what is wrong with the file, `OSError` where it cannot be read.
+    """
+    content = read(path)
+    fps = content["eye"]["fps"] if content["eye"] else None
+    return HardLGMD2(content["parameters"], fps, **content["structure"])
+
+
+def read(path) -> dict:
+    """The content of a hand-over file, checked: format, version, parameters, structure, eye.
+
+    **Raises:** as `load`.
+    """
+    try:
+        with open(path, encoding="utf-8") as file:
+            content = json.load(file)
+    except ValueError as error:
+        raise ValueError(f"{path} is not a hand-over file: no JSON ({error})") from None
+    try:
+        if not isinstance(content, dict) or content.get("format") != FORMAT:
+            raise ValueError(f"its format is not {FORMAT!r}")
+        if content.get("version") != VERSION:
+            raise ValueError(f"its version is {content.get('version')!r}, this program reads {VERSION}; update it")
+        for name in ("parameters", "structure", "eye"):
+            if name not in content:
+                raise ValueError(f"{name} is missing")
+        _check_parameters(content["parameters"])
+        _check_structure(content["structure"])
+        if content["eye"] is not None:
+            if not isinstance(content["eye"], dict) or "fps" not in content["eye"]:
+                raise ValueError("eye holds no fps")
+            _check_rate(content["eye"]["fps"])
+    except ValueError as error:
+        raise ValueError(f"{path} is not a hand-over file that can be used: {error}") from None
+    return content
+
+
+def _lateral(d):
+    """The four nearest neighbours at .25, the four diagonal ones at .125, the edge repeated beyond the border."""
+    d = np.pad(d, 1, mode="edge")
+    rows = d[:-2] + 2 * d[1:-1] + d[2:]
+    return (rows[:, :-2] + 2 * rows[:, 1:-1] + rows[:, 2:]) / 8 - d[1:-1, 1:-1] / 2
+
+
+def _check_parameters(parameters):
+    if not isinstance(parameters, Mapping):
+        raise ValueError(f"parameters is {parameters!r}; give a value for each of {', '.join(DOMAINS)}")
+    for name in parameters:
+        if name not in DOMAINS:
+            raise ValueError(f"parameter {name} is unknown; there are {', '.join(DOMAINS)}")
+    for name, domain in DOMAINS.items():
+        if name not in parameters:
+            raise ValueError(f"parameter {name} is missing")
+        value, (low, high) = parameters[name], map(float, domain[1:-1].split(","))
+        inside = _is_finite(value) and low <= value <= high
+        if not inside or (value == low and domain[0] == "(") or (value == high and domain[-1] == ")"):
+            raise ValueError(f"parameter {name} is {value!r}; it must lie in {domain}")
+
+
+def _check_structure(structure):
+    if not isinstance(structure, dict) or set(structure) != {"n_p", "low_pass", "N_ts"}:
+        raise ValueError(f"structure is {structure!r}; give n_p, low_pass and N_ts")
+    for name in ("n_p", "N_ts"):
+        if type(structure[name]) is not int or structure[name] < 0:
+            raise ValueError(f"{name} is {structure[name]!r}; give a whole number of frames, 0 or more")
+    if structure["low_pass"] not in ("backward_euler", "exact"):
+        raise ValueError(f"low_pass is {structure['low_pass']!r}; give 'backward_euler' or 'exact'")
+
+
+def _check_rate(fps):
+    if fps is not None and not (_is_finite(fps) and fps > 0):
+        raise ValueError(f"fps is {fps!r}; give a positive number of frames per second")
+
+
+def _is_finite(value):
+    try:
+        return not isinstance(value, (bool, str)) and math.isfinite(value)
+    except TypeError:
+        return False

@@ -1,0 +1,33 @@
+"""Everything that is shown to a locust: renderers in JAX, pure functions of array parameters.
+
+Each family is called as `family(eye, *, ...)` and returns a `Stimulus`. Numbers may be traced, so that a family jits,
+vmaps and differentiates; what shapes the result (window, names, number of checks) is plain Python.
+"""
+
+from lgmd2jax.stimuli._approach import (
+    approach_recession as approach_recession,
+    looming as looming,
+    receding as receding,
+)
+from lgmd2jax.stimuli._background import (
+    BACKGROUNDS as BACKGROUNDS,
+    Background as Background,
+    Panorama as Panorama,
+    Photograph as Photograph,
+    Uniform as Uniform,
+)
+from lgmd2jax.stimuli._camera import camera as camera
+from lgmd2jax.stimuli._distance import (
+    DISTANCES as DISTANCES,
+    Distance as Distance,
+    Rolling as Rolling,
+    Tabulated as Tabulated,
+)
+from lgmd2jax.stimuli._elongation import elongating as elongating, shortening as shortening
+from lgmd2jax.stimuli._family import FAMILIES as FAMILIES
+from lgmd2jax.stimuli._grating import grating as grating
+from lgmd2jax.stimuli._luminance import luminance as luminance
+from lgmd2jax.stimuli._stimulus import Stimulus as Stimulus
+from lgmd2jax.stimuli._texture import PHOTOGRAPHS as PHOTOGRAPHS
+from lgmd2jax.stimuli._translation import translating as translating
+from lgmd2jax.stimuli._turning import turning as turning

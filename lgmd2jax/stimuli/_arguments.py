@@ -1,0 +1,80 @@
+"""Arguments of the renderers: numbers made arrays, and refused where they cannot be meant. Traced ones go unchecked."""
+
+import math
+from collections.abc import Collection
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float, ScalarLike
+
+from lgmd2jax._eye import Eye
+from lgmd2jax._parameters import is_concrete, nearest
+
+
+def number(
+    name: str, value: ScalarLike | None, unit: str, low: float | int = -np.inf, high: float | int = np.inf
+) -> Float[Array, ""]:
+    """A floating scalar in [low, high].
+
+    **Raises:** `ValueError` for another shape, and for a concrete value outside of the range.
+    """
+    result = _scalar(name, value)
+    if is_concrete(result) and not (math.isfinite(result) and low <= float(result) <= high):
+        span = f"in {low:g}..{high:g}" if np.isfinite(high) else "finite" if np.isinf(low) else f"of {low:g} or more"
+        raise ValueError(f"{name} is {value} {unit}; give a number {span}")
+    return result
+
+
+def positive(name: str, value: ScalarLike | None, unit: str) -> Float[Array, ""]:
+    """A floating scalar above 0.
+
+    **Raises:** `ValueError` for another shape, and for a concrete value that is not positive or not finite.
+    """
+    result = _scalar(name, value)
+    if is_concrete(result) and not (math.isfinite(result) and float(result) > 0):
+        raise ValueError(f"{name} is {value} {unit}; give a positive number")
+    return result
+
+
+def _scalar(name: str, value: ScalarLike | None) -> Float[Array, ""]:
+    if value is None or isinstance(value, (str, list, tuple, dict)) or np.shape(value) != ():
+        raise ValueError(f"{name} is {value!r}; give one number, and map a batch with jax.vmap")
+    return jnp.asarray(value, dtype=float)
+
+
+def one_of(name: str, value: str, known: Collection) -> None:
+    """Refuse a value that is not known, offering the likeliest."""
+    if value not in known:
+        raise ValueError(f"{name} is {value!r}; choose {nearest(value, known)}")
+
+
+def fits(eye: Eye, name: str, extent_px: Float[Array, ""]) -> None:
+    """Refuse an object of `extent_px` that is larger than the field's smaller side, where that is not meant."""
+    field = min(eye.rows, eye.cols)
+    if is_concrete(extent_px) and float(extent_px) > field:
+        raise ValueError(f"{name} makes an object of {extent_px:.4g} px, beyond the field of {field} px; shrink it")
+
+
+def together(**values) -> bool:
+    """Whether all of these arguments are given, or none is.
+
+    **Raises:** `ValueError` where only some are.
+    """
+    missing = [name for name, value in values.items() if value is None]
+    if missing and len(missing) < len(values):
+        given = next(name for name in values if name not in missing)
+        raise ValueError(f"{given} is given without {missing[0]}; give all of {', '.join(values)}, or none")
+    return not missing
+
+
+def extent_px(eye: Eye, name: str, degrees: ScalarLike, pixels: ScalarLike | None) -> Float[Array, ""]:
+    """An object's extent in pixels, given so or as a full angle; it must be smaller than the field.
+
+    **Raises:** `ValueError` for an extent that is not positive or larger than the field.
+    """
+    if pixels is not None:
+        name, extent = f"{name}_px", positive(f"{name}_px", pixels, "px")
+    else:
+        extent = 2 * eye.project(positive(name, degrees, "degrees") / 2)
+    fits(eye, name, extent)
+    return extent

@@ -1,0 +1,62 @@
+"""A camera that films the screen: blur, flicker, sensor noise, quantisation."""
+
+import dataclasses
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float, PRNGKeyArray, ScalarLike, UInt32
+
+from lgmd2jax.stimuli._arguments import number
+from lgmd2jax.stimuli._stimulus import Stimulus
+
+_SHARP = 1e-3  # pixels; a blur below it is none
+
+
+def camera(
+    stimulus: Stimulus,
+    key: PRNGKeyArray | UInt32[Array, "2"],
+    *,
+    noise: ScalarLike = 2.0,
+    flicker: ScalarLike = 0.0,
+    flicker_hz: ScalarLike = 100.0,
+    blur: ScalarLike = 0.0,
+    bits: int | None = 8,
+) -> Stimulus:
+    """The stimulus as a camera delivers it: what tells a recorded clip from a synthetic one.
+
+    **Arguments:**
+
+    - `key`: of the noise, and of the phase of the flicker.
+    - `noise`: standard deviation of the sensor's noise, in grey levels; independent for pixels and frames.
+    - `flicker`: of the light, as a share of its strength.
+    - `flicker_hz`: its frequency; sampled at the moment of a frame, so that it beats with the frame rate.
+    - `blur`: standard deviation of the lens's Gaussian, in pixels.
+    - `bits`: of the digital output, 0..255 in 2^bits steps; None for an analogue one. Rounding passes slopes unchanged.
+
+    **Raises:** `ValueError` for negative strengths, and for bits outside of 1..16.
+    """
+    if bits is not None and not (isinstance(bits, int) and 1 <= bits <= 16):
+        raise ValueError(f"bits is {bits!r}; give a whole number in 1..16, or None")
+    noise = number("noise", noise, "grey levels", 0)
+    flicker = number("flicker", flicker, "of the light", 0, 1)
+    flicker_hz = number("flicker_hz", flicker_hz, "Hz", 0)
+    blur = number("blur", blur, "px", 0)
+    noise_key, phase_key = jax.random.split(key)
+    frames, dtype = stimulus.frames, stimulus.frames.dtype
+    _, rows, cols = frames.shape
+    frames = _gaussian(rows, blur) @ frames @ _gaussian(cols, blur).T
+    phase = 2 * np.pi * (flicker_hz * stimulus.time / 1000 + jax.random.uniform(phase_key))
+    frames = frames * (1 + flicker * jnp.sin(phase))[:, None, None]
+    frames = jnp.clip(frames + noise * jax.random.normal(noise_key, frames.shape), 0, 255)
+    if bits is not None:
+        step = 255 / (2**bits - 1)
+        frames = frames + jax.lax.stop_gradient(step * jnp.round(frames / step) - frames)
+    return dataclasses.replace(stimulus, frames=frames.astype(dtype))
+
+
+def _gaussian(size: int, blur: Float[Array, ""]) -> Float[Array, "size size"]:
+    """A matrix that blurs along one side; near the border it weighs what there is."""
+    apart = jnp.arange(size)[:, None] - jnp.arange(size)[None, :]
+    weights = jnp.exp(-((apart / jnp.maximum(blur, _SHARP)) ** 2) / 2)
+    return weights / jnp.sum(weights, axis=1, keepdims=True)

@@ -1,0 +1,130 @@
+"""How far an object is on its way to the eye, in multiples of its own half-size: the laws of approach.
+
+A full angle is 2 atan(l/d), so only the ratio of distance d and half-size l is seen.
+"""
+
+import abc
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from lgmd2jax._parameters import is_concrete
+from lgmd2jax.stimuli._arguments import positive
+
+_GRAVITY_CM = 981.0  # cm/s2
+
+Scalar = Float[Array, ""]
+Times = Float[Array, " time"]
+
+
+class Distance(eqx.Module):
+    """d/l over time in ms, where 0 is when the object would touch the eye."""
+
+    @abc.abstractmethod
+    def __call__(self, time: Times) -> Times:
+        """The distance in half-sizes; it falls with time, or stands."""
+
+    @abc.abstractmethod
+    def reached(self, distance: Scalar) -> Scalar:
+        """The time in ms at which a distance is reached; the start of motion for one that is never so large."""
+
+
+class ConstantVelocity(Distance):
+    """d/l = -t / (l/|v|)."""
+
+    l_over_v: Scalar
+
+    def __call__(self, time):
+        return -time / self.l_over_v
+
+    def reached(self, distance):
+        return -distance * self.l_over_v
+
+
+class AngleGrowth(Distance):
+    """The full angle grows by `growth` deg/s and is `stop_angle` degrees at time 0."""
+
+    growth: Scalar
+    stop_angle: Scalar
+
+    def __call__(self, time):
+        half = jnp.radians(self.stop_angle + self.growth * time / 1000) / 2
+        return 1 / jnp.tan(jnp.clip(half, 1e-4, np.pi / 2 - 1e-4))
+
+    def reached(self, distance):
+        return (2 * jnp.degrees(jnp.arctan2(1, distance)) - self.stop_angle) / self.growth * 1000
+
+
+class Rolling(Distance):
+    """A ball rolls from rest down a straight slope, at whose foot the eye is: acceleration 5/7 g height/length.
+
+    **Arguments:** in cm:
+
+    - `slope_height_cm`, `slope_length_cm`: of the slope; the ball starts at its top and stands there before.
+    - `radius_cm`: of the ball.
+
+    **Raises:** `ValueError` for a size that is not positive, and for a slope higher than long.
+    """
+
+    slope_height_cm: Scalar = eqx.field(default=30.0, converter=lambda x: positive("slope_height_cm", x, "cm"))
+    slope_length_cm: Scalar = eqx.field(default=100.0, converter=lambda x: positive("slope_length_cm", x, "cm"))
+    radius_cm: Scalar = eqx.field(default=2.5, converter=lambda x: positive("radius_cm", x, "cm"))
+
+    def __check_init__(self):
+        height, length = self.slope_height_cm, self.slope_length_cm
+        if is_concrete(height, length) and height > length:
+            raise ValueError(f"slope_height_cm is {height:g} on a slope of {length:g} cm; a slope is longer than high")
+
+    def __call__(self, time):
+        before = jnp.minimum(-time / 1000, self._final_speed / self._acceleration)
+        return (self._final_speed - self._acceleration * before / 2) * before / self.radius_cm
+
+    def reached(self, distance):
+        path = jnp.minimum(distance * self.radius_cm, self.slope_length_cm)
+        speed = self._final_speed
+        return -2000 * path / (speed + jnp.sqrt(jnp.maximum(speed**2 - 2 * self._acceleration * path, 0)))
+
+    @property
+    def _acceleration(self):
+        return 5 / 7 * _GRAVITY_CM * self.slope_height_cm / self.slope_length_cm
+
+    @property
+    def _final_speed(self):
+        return jnp.sqrt(2 * self._acceleration * self.slope_length_cm)
+
+
+class Tabulated(Distance):
+    """Any approach, as a table that is interpolated linearly; the object stands before and after.
+
+    **Arguments:**
+
+    - `time_ms`: ascending, with 0 where the object would touch the eye.
+    - `distance`: in half-sizes, falling.
+
+    **Raises:** `ValueError` for a table of another shape or order.
+    """
+
+    time_ms: Float[Array, " point"] = eqx.field(converter=lambda x: jnp.asarray(x, dtype=float))
+    distance: Float[Array, " point"] = eqx.field(converter=lambda x: jnp.asarray(x, dtype=float))
+
+    def __check_init__(self):
+        if self.time_ms.ndim != 1 or self.time_ms.shape != self.distance.shape or self.time_ms.size < 2:
+            raise ValueError(
+                f"time_ms has shape {self.time_ms.shape} and distance {self.distance.shape}; give two equal columns"
+            )
+        for name, column, sign in (("time_ms", self.time_ms, 1), ("distance", self.distance, -1)):
+            if is_concrete(column) and not np.all(sign * np.diff(column) > 0):
+                raise ValueError(
+                    f"{name} does not {'rise' if sign > 0 else 'fall'} from point to point; sort the table"
+                )
+
+    def __call__(self, time):
+        return jnp.interp(time, self.time_ms, self.distance)
+
+    def reached(self, distance):
+        return jnp.interp(-distance, -self.distance, self.time_ms)
+
+
+DISTANCES: dict[str, type[Distance]] = {"rolling": Rolling, "tabulated": Tabulated}

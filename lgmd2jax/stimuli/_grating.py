@@ -1,0 +1,109 @@
+"""Gratings that move: sinusoidal and square."""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float, ScalarLike
+
+from lgmd2jax._eye import Eye
+from lgmd2jax._parameters import is_concrete
+from lgmd2jax.stimuli._arguments import number, one_of, positive
+from lgmd2jax.stimuli._family import family
+from lgmd2jax.stimuli._stimulus import Stimulus, frame_times
+
+_NODES = 8  # of Gauss' rule
+
+
+@family
+def grating(
+    eye: Eye,
+    *,
+    spatial_frequency: ScalarLike = 0.1,
+    cycles: ScalarLike | None = None,
+    temporal_frequency: ScalarLike = 4.0,
+    direction: ScalarLike = 0.0,
+    contrast: ScalarLike = 1.0,
+    background: ScalarLike = 110.0,
+    waveform: str = "sine",
+    duration_ms: ScalarLike = 2000.0,
+    start_ms: float | int | None = None,
+    end_ms: float | int | None = None,
+) -> Stimulus:
+    """Stripes that move. Before 0 ms there is plain ground; after `duration_ms` the stripes stand.
+
+    **Arguments:**
+
+    - `spatial_frequency`: in cycles per degree (in the middle of the field); or `cycles` across the width of the image.
+    - `temporal_frequency`: in Hz.
+    - `direction`: of motion, across the stripes, in degrees: 0 to the right, 90 upwards.
+    - `contrast`: Michelson, (bright - dark)/(bright + dark), in 0..1.
+    - `background`: mean grey level, also of the plain ground.
+    - `waveform`: `"sine"`, each pixel the value in its middle, or `"square"`, each pixel the mean over its area.
+    - `duration_ms`: of the motion.
+    - `start_ms`, `end_ms`: plain numbers; by default from 500 ms before the motion to 500 ms after it.
+
+    **Raises:** `ValueError` for a frequency that aliases: half a cycle a pixel or half the frame rate, or more.
+    """
+    one_of("waveform", waveform, _WAVEFORMS)
+    mean = number("background", background, "grey levels", 0, 255)
+    contrast = number("contrast", contrast, "(Michelson)", 0, 1)
+    bright = mean * (1 + contrast)
+    if is_concrete(bright) and bright > 255 + 1e-9:
+        raise ValueError(f"contrast is {contrast:g} on a mean of {mean:g}: stripes of {bright:.4g}; keep to 0..255")
+    heading = jnp.radians(number("direction", direction, "degrees"))
+    wave = _wave_per_px(eye, spatial_frequency, cycles) * jnp.stack([jnp.cos(heading), jnp.sin(heading)])
+    rate = positive("temporal_frequency", temporal_frequency, "Hz")
+    name, finest = "spatial_frequency" if cycles is None else "cycles", jnp.max(jnp.abs(wave))
+    if is_concrete(finest) and finest >= 0.5:
+        raise ValueError(
+            f"{name} aliases: {finest:.3g} cycles a pixel along rows or columns, where less than 0.5 is shown; lower it"
+        )
+    if is_concrete(rate) and rate >= eye.fps / 2:
+        raise ValueError(
+            f"temporal_frequency aliases: {rate:g} Hz, where {eye.fps:g} frames per second need less than "
+            f"{eye.fps / 2:g} Hz; lower it"
+        )
+    duration = positive("duration_ms", duration_ms, "ms")
+    time = frame_times(eye, start_ms, end_ms, 0.0, duration)
+    drift = rate * jnp.clip(time, 0, duration) / 1000
+    frames = _stripes(eye, time, drift, wave, mean, contrast, waveform)
+    return Stimulus(frames, eye.fps, time, courses={"drift_cycles": drift})
+
+
+def _wave_per_px(eye: Eye, spatial_frequency: ScalarLike, cycles: ScalarLike | None) -> Float[Array, ""]:
+    if cycles is not None:
+        return positive("cycles", cycles, "per image") / eye.cols
+    return positive("spatial_frequency", spatial_frequency, "cycles per degree") / eye.pixels_per_degree
+
+
+def _sine(phase, wave):
+    return jnp.sin(2 * np.pi * phase)
+
+
+def _square(phase, wave):
+    """Mean over a pixel's area: exact across the longer component of the wave, by Gauss' rule across the shorter."""
+    steep, flat = jnp.max(jnp.abs(wave)), jnp.min(jnp.abs(wave))
+
+    def primitive(at):
+        """Of a square wave of +1 and -1: a triangle wave."""
+        return 0.5 - jnp.abs(jnp.mod(at, 1) - 0.5)
+
+    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+    across = phase[..., None] + flat * nodes / 2
+    return (primitive(across + steep / 2) - primitive(across - steep / 2)) @ (weights / 2) / steep
+
+
+_WAVEFORMS = {"sine": _sine, "square": _square}
+
+
+@eqx.filter_jit
+def _stripes(eye: Eye, time, drift, wave, mean, contrast, waveform: str) -> Float[Array, "time row col"]:
+    right, up = eye.pixel_centres()
+    place = wave[0] * right + wave[1] * up
+
+    def frame(now):
+        time, drift = now
+        return mean * (1 + contrast * jnp.where(time < 0, 0, _WAVEFORMS[waveform](place - drift, wave)))
+
+    return jax.lax.map(frame, (time, drift))

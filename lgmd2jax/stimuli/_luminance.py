@@ -1,0 +1,76 @@
+"""Changes of light: steps and ramps of the whole field or of its middle."""
+
+import dataclasses
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float, ScalarLike
+
+from lgmd2jax._eye import Eye
+from lgmd2jax.stimuli._arguments import number, positive
+from lgmd2jax.stimuli._background import Uniform
+from lgmd2jax.stimuli._family import family
+from lgmd2jax.stimuli._scene import Look, Path, Times, look, show
+from lgmd2jax.stimuli._stimulus import Stimulus, frame_times
+
+Scalar = Float[Array, ""]
+
+
+class _Middle(Path):
+    """A part of the field around its centre, of its own form, `side` times as high and wide."""
+
+    side: Scalar
+
+    def __call__(self, eye, time):
+        across, up = self.side * eye.cols / 2, self.side * eye.rows / 2
+        return jnp.tile(jnp.stack([-across, across, -up, up]), (time.size, 1)), {}
+
+
+@family
+def luminance(
+    eye: Eye,
+    *,
+    contrast: ScalarLike = -0.5,
+    level: ScalarLike | None = None,
+    background: ScalarLike = 200.0,
+    fraction: ScalarLike = 1.0,
+    ramp_ms: ScalarLike = 0.0,
+    hold_ms: ScalarLike | None = None,
+    start_ms: float | int | None = None,
+    end_ms: float | int | None = None,
+) -> Stimulus:
+    """The field, or its middle, changes from the background's grey level to another. 0 ms is the onset.
+
+    **Arguments:**
+
+    - `contrast`: Weber contrast of the new level; or `level`, grey level 0..255.
+    - `background`: grey level before, and around the part that changes.
+    - `fraction`: of the field's area that changes, in the middle and of the field's own form.
+    - `ramp_ms`: how long the change takes; 0 for a step.
+    - `hold_ms`: how long the new level stays before it goes back in the same way; by default it stays.
+    - `start_ms`, `end_ms`: plain numbers; by default from 500 ms before the change to 500 ms after it.
+
+    **Raises:** `ValueError` for levels outside of 0..255, a fraction outside of 0..1 and negative times.
+    """
+    ground = Uniform(background)
+    target = look(ground, contrast, level).level
+    side = jnp.sqrt(positive("fraction", fraction, "of the field"))
+    number("fraction", fraction, "of the field", 0, 1)
+    ramp = number("ramp_ms", ramp_ms, "ms", 0)
+    hold = None if hold_ms is None else number("hold_ms", hold_ms, "ms", 0)
+    time = frame_times(eye, start_ms, end_ms, 0.0, ramp if hold is None else 2 * ramp + hold)
+    course = _course(time, ground.level, target, ramp, hold)
+    stimulus = show(eye, time, ground, Look(course, course), _Middle(side))
+    return dataclasses.replace(stimulus, courses={"level": course})
+
+
+@jax.jit
+def _course(time: Times, ground: Scalar, target: Scalar, ramp: Scalar, hold: Scalar | None) -> Times:
+    """The grey level over time."""
+
+    def change(since):
+        """0 before, 1 after; a ramp of no length is a step, which frame 0 shows already."""
+        return jnp.where(ramp > 0, jnp.clip(since / jnp.where(ramp > 0, ramp, 1), 0, 1), since >= 0)
+
+    back = 0 if hold is None else change(time - ramp - hold)
+    return ground + (target - ground) * (change(time) - back)

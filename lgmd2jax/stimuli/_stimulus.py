@@ -1,0 +1,56 @@
+"""What every renderer returns: frames with their times."""
+
+import math
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float, ScalarLike
+
+from lgmd2jax._eye import Eye
+from lgmd2jax._parameters import is_concrete
+
+LEAD_MS = 500.0  # of rest before the first motion, and after the last
+
+
+class Stimulus(eqx.Module):
+    """A clip, and what is known of it.
+
+    - `frames`: grey levels, 0..255.
+    - `fps`: frames per second.
+    - `time`: of each frame in ms; 0 is the event (collision, onset of motion), and always falls on a frame.
+    - `name`: the family that it belongs to.
+    - `parameters`: the numbers that it was rendered with, by the names of the family's arguments.
+    - `courses`: what was shown over time, by name with its unit, such as `"full_angle_deg"`.
+    """
+
+    frames: Float[Array, "time row col"]
+    fps: float | int = eqx.field(static=True)
+    time: Float[Array, " time"]
+    name: str = eqx.field(static=True, default="")
+    parameters: dict[str, Float[Array, ""]] = eqx.field(default_factory=dict)
+    courses: dict[str, Float[Array, " time"]] = eqx.field(default_factory=dict)
+
+
+def frame_times(
+    eye: Eye, start_ms: float | int | None, end_ms: float | int | None, begin: ScalarLike, end: ScalarLike
+) -> Float[Array, " time"]:
+    """Times i 1000/fps, i whole, of the window; by default from 500 ms before the motion's `begin` to 500 after `end`.
+
+    **Raises:** `ValueError` for an empty window, and for a default one when `begin` or `end` is traced.
+    """
+    limits = []
+    for name, given, event, lead in (("start_ms", start_ms, begin, -LEAD_MS), ("end_ms", end_ms, end, LEAD_MS)):
+        if given is None and not is_concrete(event):
+            raise ValueError(f"{name} is not given and would follow from a traced value; give a number for the batch")
+        if given is not None and not (isinstance(given, (int, float)) and math.isfinite(given)):
+            raise ValueError(f"{name} is {given!r}; give a plain number of ms")
+        limits.append(float(np.asarray(event)) + lead if given is None else given)
+    start, stop = limits
+    first = math.ceil(start * eye.fps / 1000 - 1e-6)
+    last = math.floor(stop * eye.fps / 1000 + 1e-6)
+    if last - first < 1:
+        raise ValueError(
+            f"start_ms {start:g} to end_ms {stop:g} holds fewer than 2 frames at {eye.fps:g} fps; widen it"
+        )
+    return jnp.asarray(np.arange(first, last + 1) * 1000 / eye.fps, dtype=float)

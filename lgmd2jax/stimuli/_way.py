@@ -1,0 +1,68 @@
+"""A straight way across the field, in degrees, pixels or centimetres."""
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Float, ScalarLike
+
+from lgmd2jax._eye import Eye
+from lgmd2jax._parameters import is_concrete
+from lgmd2jax.stimuli._arguments import number, positive, together
+from lgmd2jax.stimuli._scene import Times
+
+Scalar = Float[Array, ""]
+
+# Share of the way that is done after a share u of the time; the mean speed is the same for all.
+PROFILES = {
+    "constant": lambda u: u,
+    "linear": lambda u: u**2,  # speed ~ t
+    "accelerating": lambda u: u**3,  # speed ~ t^2
+    "decelerating": lambda u: u * (2 - u),  # speed ~ T - t
+}
+
+
+class Way(eqx.Module):
+    """From `start` to `stop` at a mean `speed`, in a unit ("deg", "px", "cm") and that per second, from time 0 on."""
+
+    start: Scalar
+    stop: Scalar
+    speed: Scalar
+    unit: str = eqx.field(static=True)
+
+    def __check_init__(self):
+        if is_concrete(self.start, self.stop) and not self.start < self.stop:
+            raise ValueError(
+                f"start is {self.start:g} and stop {self.stop:g}; stop must lie beyond, turn the direction"
+            )
+
+    @property
+    def duration_ms(self) -> Scalar:
+        """How long it takes."""
+        return 1000 * (self.stop - self.start) / self.speed
+
+    def __call__(self, time: Times, profile: str = "constant") -> Times:
+        """The position at each time in ms."""
+        return self.start + (self.stop - self.start) * PROFILES[profile](jnp.clip(time / self.duration_ms, 0, 1))
+
+    def project(self, eye: Eye, position: Array) -> Array:
+        """The position in pixels from the middle, for a way in degrees or pixels."""
+        return position if self.unit == "px" else eye.project(position)
+
+
+def way(
+    *,
+    speed: ScalarLike,
+    start: ScalarLike,
+    stop: ScalarLike,
+    speed_px: ScalarLike | None,
+    start_px: ScalarLike | None,
+    stop_px: ScalarLike | None,
+) -> Way:
+    """A way in pixels, where that is asked for, or else in degrees.
+
+    **Raises:** `ValueError` for a speed that is not positive, an end before the start, and for mixed units.
+    """
+    if together(speed_px=speed_px, start_px=start_px, stop_px=stop_px):
+        first, last = number("start_px", start_px, "px"), number("stop_px", stop_px, "px")
+        return Way(first, last, positive("speed_px", speed_px, "px/s"), "px")
+    first, last = number("start", start, "degrees", -89, 89), number("stop", stop, "degrees", -89, 89)
+    return Way(first, last, positive("speed", speed, "deg/s"), "deg")

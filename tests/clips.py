@@ -1,0 +1,24 @@
+"""Small clips for tests, as float64 grey levels of (time, row, col)."""
+
+import numpy as np
+
+
+def noise(seed: int, shape: tuple[int, int, int], integer: bool = False) -> np.ndarray:
+    """Grey levels without any structure, away from the ends of their range."""
+    values = np.random.default_rng(seed).uniform(10, 245, shape)
+    return np.round(values) if integer else values
+
+
+def loom(seed: int = 0, shape: tuple[int, int, int] = (24, 15, 17), dark: bool = True) -> np.ndarray:
+    """A square that grows ever faster, stands, and is textured, on a textured ground."""
+    time, rows, cols = shape
+    generator = np.random.default_rng(seed)
+    ground, texture = generator.uniform(180, 220, (rows, cols)), generator.uniform(10, 40, (rows, cols))
+    frames = np.repeat(ground[None], time, axis=0)
+    x, y = np.mgrid[:rows, :cols]
+    distance = np.maximum(np.abs(x - rows // 2), np.abs(y - cols // 2))
+    grows = int(0.6 * time)
+    for t in range(4, time):
+        radius = 9.0 / (grows - min(t, grows) + 1.5) if t > 3 else 0
+        frames[t] = np.where(distance <= radius, texture, ground)
+    return frames if dark else 255 - frames

@@ -1,0 +1,103 @@
+"""The network once more, as loops over pixels straight from the equations: an oracle that shares nothing."""
+
+import math
+
+WEIGHTS = [[0.125, 0.25, 0.125], [0.25, 0.0, 0.25], [0.125, 0.25, 0.125]]
+CHANNELS = ("mp", "ffi", "smp", "smp_adapted", "spikes", "collision")
+
+
+def logistic(x):
+    return 1 / (1 + math.exp(-x)) if x > 0 else math.exp(x) / (1 + math.exp(x))
+
+
+def respond(frames, fps, v, temperature=None, n_p=0, low_pass="backward_euler", N_ts=4):
+    """The channels over time and the S layer, from nested lists of grey levels and a dict of parameters.
+
+    Without a temperature thresholds are hard.
+    """
+    rows, cols, ti = len(frames[0]), len(frames[0][0]), 1000 / fps
+    pixels = [(x, y) for x in range(rows) for y in range(cols)]
+
+    def step(distance, width):
+        """1 where distance >= 0."""
+        if temperature is None:
+            return 1.0 if distance >= 0 else 0.0
+        return logistic(distance / (temperature * width))
+
+    def coefficient(tau):
+        return ti / (ti + tau) if low_pass == "backward_euler" else 1 - math.exp(-ti / tau)
+
+    def zeros():
+        return [[0.0] * cols for _ in range(rows)]
+
+    def inside(i, size):
+        return min(max(i, 0), size - 1)
+
+    def spread(d, x, y):
+        total = 0.0
+        for i in (-1, 0, 1):
+            for j in (-1, 0, 1):
+                total += WEIGHTS[i + 1][j + 1] * d[inside(x + i, rows)][inside(y + j, cols)]
+        return total
+
+    before, history = frames[0], [zeros() for _ in range(n_p)]
+    on, off, d_on, d_off = zeros(), zeros(), zeros(), zeros()
+    ffi, u_before, adapted, spikes_before = 0.0, 0.5, 0.5, [0.0] * N_ts
+    out = {name: [] for name in (*CHANNELS, "s", "s_gated", "g", "rise", "unfloored")}
+
+    for frame in frames:
+        p = zeros()
+        for x, y in pixels:  # eq. 1
+            p[x][y] = frame[x][y] - before[x][y]
+            for i in range(1, n_p + 1):
+                p[x][y] += history[i - 1][x][y] / (1 + math.exp(v["u"] * i))
+        before, history = frame, [p, *history][:n_p]
+
+        for x, y in pixels:  # eqs 2-4
+            on[x][y] = max(p[x][y], 0.0) + v["sigma1"] * on[x][y]
+            off[x][y] = max(-p[x][y], 0.0) + v["sigma1"] * off[x][y]
+            d_on[x][y] += coefficient(v["tau1"]) * (on[x][y] - d_on[x][y])
+            d_off[x][y] += coefficient(v["tau1"]) * (off[x][y] - d_off[x][y])
+
+        s, gated, g = zeros(), zeros(), zeros()
+        for x, y in pixels:  # eqs 5-9
+            s_on = on[x][y] - v["w_bias"] * spread(d_on, x, y)
+            s_off = spread(d_off, x, y) - v["w_bias"] * off[x][y]
+            s[x][y] = v["theta1"] * s_on + v["theta2"] * s_off + v["theta3"] * s_on * s_off
+            gated[x][y] = s[x][y] * step(s[x][y] - v["T_s"], 0.1 * v["T_s"])
+        for x, y in pixels:  # eq. 10
+            for i in (-1, 0, 1):
+                for j in (-1, 0, 1):
+                    g[x][y] += gated[inside(x + i, rows)][inside(y + j, cols)] / 9
+        mp = sum(g[x][y] for x, y in pixels)  # eq. 11
+
+        f = sum(abs(p[x][y]) for x, y in pixels) / len(pixels)  # eqs 13, 14
+        ffi += coefficient(v["tau2"]) * (f - ffi)
+        passes = step(v["T_ffi"] - ffi, 0.03 * v["T_ffi"])
+        u = 0.5 + passes * (logistic(abs(mp) / (len(pixels) * v["k"])) - 0.5)  # eq. 12
+
+        c, rise = v["tau3"] / (v["tau3"] + ti), u - u_before  # eq. 15
+        adapts = step(v["T_sfa"] - rise, abs(v["T_sfa"]))
+        unfloored = adapts * c * (adapted + rise) + (1 - adapts) * c * u
+        if temperature is None:
+            adapted = max(unfloored, 0.5)
+        else:
+            z = (unfloored - 0.5) / (0.002 * temperature)
+            adapted = 0.5 + 0.002 * temperature * (max(z, 0) + math.log1p(math.exp(-abs(z))))
+        u_before = u
+
+        if temperature is None:  # eq. 16
+            spikes = 0.0 if adapted < v["T_sp"] else 1.0 if adapted <= v["T_sp"] + v["sigma_sp"] else 2.0
+        else:
+            spikes = step(adapted - v["T_sp"], 0.01) + step(adapted - v["T_sp"] - v["sigma_sp"], 0.01)
+        window = [*spikes_before, spikes]  # eq. 17
+        spikes_before = window[1:]
+        half = 0 if temperature is None else 0.5
+        collision = step(sum(window) - (v["N_sp"] - half), 0.1)
+
+        for name, value in (
+            ("mp", mp), ("ffi", ffi), ("smp", u), ("smp_adapted", adapted), ("spikes", spikes),
+            ("collision", collision), ("s", s), ("s_gated", gated), ("g", g), ("rise", rise), ("unfloored", unfloored),
+        ):  # fmt: skip
+            out[name].append(value)
+    return out

@@ -1,0 +1,175 @@
+"""The hand-over file, and the NumPy model that reads it."""
+
+import ast
+import json
+import pathlib
+import shutil
+import subprocess
+import sys
+
+import jax
+import jax.numpy as jnp
+import jsonschema
+import numpy as np
+import pytest
+
+import lgmd2jax as lgmd
+from lgmd2jax import hard
+from tests import clips
+
+EYE = lgmd.Eye(rows=7, cols=9, degrees_per_pixel=2.0, fps=50.0)
+MODEL = lgmd.LGMD2(lgmd.Parameters(theta1=0.4, k=10.0, N_sp=3, T_ffi=80.0), n_p=1, low_pass="exact", N_ts=3, eye=EYE)
+FRAMES = np.round(clips.loom(0, (12, 7, 9))).astype(np.uint8)
+SCHEMA = json.loads(pathlib.Path(lgmd.__file__).with_name("model.schema.json").read_text())
+
+
+@pytest.fixture
+def path(tmp_path):
+    lgmd.save(MODEL, tmp_path / "model.json")
+    return tmp_path / "model.json"
+
+
+def changed(path, change):
+    content = json.loads(path.read_text())
+    change(content)
+    path.write_text(json.dumps(content))
+
+
+def test_round_trip(path):
+    loaded = lgmd.load(path)
+    assert loaded.eye == EYE
+    assert (loaded.n_p, loaded.low_pass, loaded.N_ts) == (1, "exact", 3)
+    assert jax.tree.all(jax.tree.map(jnp.array_equal, loaded.parameters, MODEL.parameters))
+    np.testing.assert_array_equal(loaded(FRAMES).smp_adapted, MODEL(FRAMES).smp_adapted)
+
+
+def test_soft_models_are_handed_over_hard(path, tmp_path):
+    lgmd.save(lgmd.LGMD2(MODEL.parameters, lgmd.Soft(), 1, "exact", 3, EYE), tmp_path / "soft.json")
+    assert (tmp_path / "soft.json").read_bytes() == path.read_bytes()
+
+
+def test_single_precision_is_written_short(tmp_path):
+    single = jax.tree.map(lambda leaf: leaf.astype(jnp.float32), lgmd.LGMD2())
+    lgmd.save(single, tmp_path / "model.json")
+    assert '"w_bias": 0.3,' in (tmp_path / "model.json").read_text()
+
+
+def test_the_file_fits_its_schema(path):
+    jsonschema.validate(json.loads(path.read_text()), SCHEMA)
+    changed(path, lambda content: content["parameters"].update(tau1=-1))
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate(json.loads(path.read_text()), SCHEMA)
+
+
+def test_schema_and_numpy_model_know_the_same_parameters():
+    assert {name: symbol.domain for name, symbol in lgmd.symbols().items()} == hard.DOMAINS
+    declared = SCHEMA["properties"]["parameters"]
+    assert declared["required"] == list(declared["properties"]) == list(hard.DOMAINS)
+    for name, domain in hard.DOMAINS.items():
+        low, high = domain[1:-1].split(", ")
+        limits = {}
+        if low != "-inf":
+            limits["minimum" if domain[0] == "[" else "exclusiveMinimum"] = float(low)
+        if high != "inf":
+            limits["maximum" if domain[-1] == "]" else "exclusiveMaximum"] = float(high)
+        assert {key: declared["properties"][name].get(key) for key in limits} == limits
+
+
+def test_numpy_model_streams_what_it_computes_for_a_clip(path):
+    model = hard.load(path)
+    clip = model(FRAMES)
+    assert clip.spikes.dtype.kind == "i"
+    assert clip.collision.dtype == bool
+    assert clip.spikes.sum() > 0
+    model.reset()
+    for t, frame in enumerate(FRAMES):
+        now = model.step(frame, interval=20.0)
+        assert (now.mp, now.ffi, now.smp_adapted, now.spikes) == (
+            clip.mp[t], clip.ffi[t], clip.smp_adapted[t], clip.spikes[t],
+        )  # fmt: skip
+    expected = MODEL(FRAMES)
+    np.testing.assert_allclose(clip.smp_adapted, expected.smp_adapted, rtol=1e-12)
+    np.testing.assert_array_equal(clip.spikes, expected.spikes)
+    np.testing.assert_array_equal(clip.collision, expected.collision)
+
+
+def test_numpy_model_is_one_file_with_numpy_alone(path, tmp_path):
+    source = pathlib.Path(hard.__file__)
+    imports = {
+        name.split(".")[0]
+        for node in ast.walk(ast.parse(source.read_text()))
+        if isinstance(node, (ast.Import, ast.ImportFrom))
+        for name in ([node.module] if isinstance(node, ast.ImportFrom) else [alias.name for alias in node.names])
+    }
+    assert imports - set(sys.stdlib_module_names) == {"numpy"}
+    robot = tmp_path / "robot"
+    robot.mkdir()
+    shutil.copy(source, robot)
+    shutil.copy(path, robot)
+    np.save(robot / "frames.npy", FRAMES)
+    program = (
+        "import sys, numpy, hard; response = hard.load('model.json')(numpy.load('frames.npy'));"
+        "assert not {'jax', 'lgmd2jax', 'equinox'} & set(sys.modules); print(response.mp.tolist())"
+    )
+    out = subprocess.run([sys.executable, "-c", program], cwd=robot, capture_output=True, text=True, check=True).stdout
+    np.testing.assert_allclose(json.loads(out), MODEL(FRAMES).mp, rtol=1e-12)
+
+
+def test_numpy_model_keeps_its_state_when_a_frame_is_refused(path):
+    model, twin = hard.load(path), hard.load(path)
+    for t, frame in enumerate(FRAMES):
+        if t == 5:
+            for bad in (frame[:3], frame * np.nan, frame[0]):
+                with pytest.raises(ValueError, match="frame"):
+                    model.step(bad)
+        assert model.step(frame) == twin.step(frame)
+
+
+def test_numpy_model_at_another_rate_warns(path):
+    with pytest.warns(UserWarning, match="belong to 50 frames per second, not 30"):
+        hard.load(path)(FRAMES, 30.0)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda content: content.update(version=99), "version is 99"),
+        (lambda content: content.update(format="other"), "format is not"),
+        (lambda content: content.pop("structure"), "structure is missing"),
+        (lambda content: content["parameters"].pop("tau1"), "tau1 is missing"),
+        (lambda content: content["parameters"].update(tau1=float("nan")), "tau1 is nan"),
+        (lambda content: content["parameters"].update(tau1="30"), "tau1 is '30'"),
+        (lambda content: content["parameters"].update(k=0), "k is 0; it must lie in"),
+        (lambda content: content["parameters"].update(theta4=1), "theta4 is unknown"),
+        (lambda content: content["structure"].update(n_p=-1), "n_p is -1"),
+        (lambda content: content["structure"].update(low_pass="none"), "low_pass is 'none'"),
+        (lambda content: content["eye"].update(fps=0), "fps is 0"),
+        (lambda content: content["eye"].pop("fps"), "eye holds no fps"),
+    ],
+)
+@pytest.mark.parametrize("load", [lgmd.load, hard.load])
+def test_a_file_that_is_not_in_order_is_refused(path, load, change, message):
+    changed(path, change)
+    with pytest.raises(ValueError, match=message) as error:
+        load(path)
+    assert str(path) in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("content", ["", "[1, 2]", "{", "\x00\xff"])
+@pytest.mark.parametrize("load", [lgmd.load, hard.load])
+def test_what_is_not_a_hand_over_file_is_refused(tmp_path, load, content):
+    (tmp_path / "model.json").write_text(content)
+    with pytest.raises(ValueError, match="not a hand-over file"):
+        load(tmp_path / "model.json")
+    with pytest.raises(OSError, match="nowhere"):
+        load(tmp_path / "nowhere.json")
+
+
+def test_a_batch_is_refused_and_leaves_the_old_file(path):
+    before = path.read_bytes()
+    batch = jax.vmap(lambda theta2: lgmd.LGMD2(lgmd.Parameters(theta2=theta2)))(jnp.ones(3))
+    with pytest.raises(ValueError, match=r"theta1 has shape \(3,\)"):
+        lgmd.save(batch, path)
+    assert path.read_bytes() == before
+    assert [file.name for file in path.parent.iterdir()] == ["model.json"]

@@ -1,0 +1,42 @@
+"""What the README says works when it is pasted."""
+
+import pathlib
+import re
+import shlex
+import subprocess
+import sys
+
+import imageio.v3 as iio
+import numpy as np
+import pytest
+
+from lgmd2jax.cli import main
+
+README = (pathlib.Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
+BLOCKS = re.findall(r"```(\w+)\n(.*?)```", README, flags=re.DOTALL)
+PROGRAMS = [block for language, block in BLOCKS if language == "python"]
+COMMANDS = [line for language, block in BLOCKS if language == "sh" for line in block.splitlines() if "lgmd2jax" in line]
+
+
+@pytest.mark.parametrize("program", PROGRAMS, ids=[f"program {i}" for i in range(len(PROGRAMS))])
+def test_programs_run(program, tmp_path):
+    done = subprocess.run([sys.executable, "-W", "error", "-c", program], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout
+    assert "nan" not in done.stdout
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_commands_run(command, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    frames = np.full((30, 48, 120, 3), 200, np.uint8)
+    for t in range(5, 30):
+        frames[t, 24 - t // 2 : 24 + t // 2, 60 - t : 60 + t] = 20
+    iio.imwrite("crash.mp4", frames, plugin="pyav", codec="libx264", fps=30)
+    assert main(shlex.split(command)[1:]) == 0, capsys.readouterr().err
+    assert len(list(tmp_path.iterdir())) > 1
+
+
+def test_there_is_something_to_test():
+    assert len(PROGRAMS) == 3
+    assert len(COMMANDS) == 2

@@ -1,0 +1,45 @@
+"""Small video files and folders of images for tests."""
+
+from fractions import Fraction
+
+import imageio.v3 as iio
+import numpy as np
+import pytest
+
+
+def noise(count, shape=(24, 33), seed=0):
+    return np.random.default_rng(seed).integers(0, 256, (count, *shape, 3), dtype=np.uint8)
+
+
+def write_video(path, pictures, codec="ffv1", pixels="bgr0", stamps_ms=None, rotation=0):
+    """Lossless by default, with a time stamp each if they are given."""
+    av = pytest.importorskip("av", reason="video needs the extra 'video'")
+    with av.open(str(path), "w") as container:
+        stream = container.add_stream(codec, rate=30)
+        stream.height, stream.width = pictures[0].shape[:2]
+        stream.pix_fmt = pixels
+        if rotation:
+            if not hasattr(stream, "set_display_rotation"):
+                pytest.skip("this version of PyAV reads rotated video but cannot write it")
+            stream.set_display_rotation(rotation)
+        for i, picture in enumerate(pictures):
+            frame = av.VideoFrame.from_ndarray(picture, format="rgb24")
+            if stamps_ms is not None:
+                stream.codec_context.time_base = frame.time_base = Fraction(1, 1000)
+                frame.pts = int(stamps_ms[i])
+            container.mux(stream.encode(frame))
+        container.mux(stream.encode(None))
+    return path
+
+
+def write_folder(folder, pictures, name="{}.png"):
+    folder.mkdir()
+    for i, picture in enumerate(pictures):
+        iio.imwrite(folder / name.format(i), picture)
+    return folder
+
+
+def damaged(path, share=0.6):
+    whole = path.read_bytes()
+    path.write_bytes(whole[: int(share * len(whole))])
+    return path
