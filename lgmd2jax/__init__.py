@@ -1,6 +1,6 @@
 """The LGMD2 collision detector of juvenile locusts, differentiable in JAX: `import lgmd2jax as lgmd`."""
 
-from lgmd2jax import stimuli as stimuli
+from lgmd2jax import fitting as fitting, stimuli as stimuli
 from lgmd2jax._ablation import ABLATIONS as ABLATIONS, ablate as ablate
 from lgmd2jax._export import load as load, save as save
 from lgmd2jax._eye import Eye as Eye

@@ -120,7 +120,7 @@ def video_writer(path: str | os.PathLike, fps: float) -> Iterator[VideoWriter]:
     try:
         container = av.open(os.fspath(path), "w")
     except (ValueError, FFmpegError):
-        raise ValueError("cannot tell the format of the overlay; end its name in .mp4, .mkv or .mov") from None
+        raise ValueError("cannot tell the format of the video; end its name in .mp4, .mkv or .mov") from None
     with container:
         writer = VideoWriter(container, fps)
         yield writer

@@ -16,7 +16,7 @@ class _Parser(argparse.ArgumentParser):
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run one command and return its exit status: 0, or 1 with one line on standard error."""
+    """Run one command and return its exit status: 0, else with one line on standard error."""
     parser = _Parser(prog="lgmd2jax", description="The LGMD2 collision detector of juvenile locusts.")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     for add in (_command_respond.add, _command_fit.add, _command_stimuli.add):
@@ -28,6 +28,9 @@ def main(arguments: list[str] | None = None) -> int:
     except (ValueError, OSError) as error:
         print(f"lgmd2jax: {' '.join(str(error).split())}", file=sys.stderr)
         return 1
+    except KeyboardInterrupt:
+        print("lgmd2jax: stopped; nothing was written", file=sys.stderr)
+        return 130
     return 0
 
 

@@ -95,12 +95,10 @@ def test_numpy_model_streams_what_it_computes_for_a_clip(path):
 
 def test_numpy_model_is_one_file_with_numpy_alone(path, tmp_path):
     source = pathlib.Path(hard.__file__)
-    imports = {
-        name.split(".")[0]
-        for node in ast.walk(ast.parse(source.read_text()))
-        if isinstance(node, (ast.Import, ast.ImportFrom))
-        for name in ([node.module] if isinstance(node, ast.ImportFrom) else [alias.name for alias in node.names])
-    }
+    nodes = list(ast.walk(ast.parse(source.read_text())))
+    names = [alias.name for node in nodes if isinstance(node, ast.Import) for alias in node.names]
+    names += [str(node.module) for node in nodes if isinstance(node, ast.ImportFrom)]
+    imports = {name.split(".")[0] for name in names}
     assert imports - set(sys.stdlib_module_names) == {"numpy"}
     robot = tmp_path / "robot"
     robot.mkdir()

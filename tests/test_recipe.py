@@ -9,7 +9,7 @@ import pytest
 import lgmd2jax as lgmd
 from lgmd2jax import hard
 from lgmd2jax.cli import main
-from lgmd2jax.fitting import read_target
+from lgmd2jax.fitting import Observation, read_target
 
 PROTOCOL = """
 [eye]
@@ -65,7 +65,7 @@ def test_fit_writes_a_model_that_numpy_runs(folder, capsys):
 
     stimulus = lgmd.load_protocol(folder / "protocol.toml").conditions[0].render()
     potential = hard.load(out / "model.json")(np.asarray(stimulus.frames)).smp_adapted
-    expected = lgmd.fitting.Observation(gain=60.0)(potential, stimulus.time)
+    expected = Observation(gain=60.0)(potential, stimulus.time)
     with open(out / "curves.csv", newline="") as file:
         rows = list(csv.DictReader(file))
     np.testing.assert_allclose([float(row["hard"]) for row in rows], expected, rtol=1e-5, atol=1e-5)
@@ -120,6 +120,7 @@ def test_a_target_is_interpolated_and_weighs_nothing_outside(folder):
     target = read_target(folder / "short.csv", "a", np.array([-5.0, 0.0, 5.0, 10.0, 15.0]), "e")
     np.testing.assert_array_equal(target.weight, [0, 1, 1, 1, 0])
     np.testing.assert_allclose(target.values[1:4], [1, 2, 3])
+    assert target.sem is not None
     np.testing.assert_allclose(target.sem[1:4], [0.1, 0.2, 0.3])
 
 

@@ -90,7 +90,7 @@ def _square(phase, wave):
         return 0.5 - jnp.abs(jnp.mod(at, 1) - 0.5)
 
     nodes, weights = np.polynomial.legendre.leggauss(_NODES)
-    across = phase[..., None] + flat * nodes / 2
+    across = phase[:, :, None] + (flat * nodes / 2)[None, None, :]
     return (primitive(across + steep / 2) - primitive(across - steep / 2)) @ (weights / 2) / steep
 
 

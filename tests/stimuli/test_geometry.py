@@ -15,6 +15,7 @@ PINHOLE = dataclasses.replace(EYE, degrees_per_pixel=1.0, projection="pinhole")
 SCREEN = Eye(rows=40, cols=50, degrees_per_pixel=None, fps=50.0)
 CENTROID = 0.02  # pixels: what is lost by taking a pixel's share of an edge to be in its middle
 WINDOW: dict[str, Any] = {"start_ms": -400, "end_ms": 100}
+CROSSING: dict[str, Any] = {"start_ms": -100, "end_ms": 1000}
 
 
 def covered(stimulus, background=200.0, level=20.0):
@@ -68,21 +69,21 @@ def test_area_is_smooth_in_time():
 
 
 def test_receding_is_looming_backwards():
-    looming = stimuli.looming(EYE, l_over_v=30, start_ms=-340, end_ms=-40)
+    looming = stimuli.looming(EYE, l_over_v=30, start_ms=-540, end_ms=-40)
     receding = stimuli.receding(
-        EYE, l_over_v=30, start_angle=2 * np.degrees(np.arctan(30 / 40)), start_ms=0, end_ms=300
+        EYE, l_over_v=30, start_angle=2 * np.degrees(np.arctan(30 / 40)), start_ms=0, end_ms=500
     )
     assert np.max(np.abs(looming.frames[::-1] - receding.frames)) < 1e-9
 
 
 def test_recession_follows_the_hold_as_a_mirror_image():
-    stimulus = stimuli.approach_recession(EYE, l_over_v=20, stop_angle=60, hold_ms=200, start_ms=-400, end_ms=600)
+    stimulus = stimuli.approach_recession(EYE, l_over_v=6, stop_angle=60, hold_ms=200, start_ms=-150, end_ms=350)
     angle, time = np.asarray(stimulus.courses["full_angle_deg"]), np.asarray(stimulus.time)
-    arrival = -20 / np.tan(np.radians(30))
+    arrival = -6 / np.tan(np.radians(30))
     held = (time > arrival) & (time < arrival + 200)
     assert np.allclose(angle[held], 60)
     assert np.all(angle[~held] < 60)
-    folded = 2 * np.degrees(np.arctan(20 / np.maximum(np.abs(time - arrival - 100) - 100 - arrival, 1e-9)))
+    folded = 2 * np.degrees(np.arctan(6 / np.maximum(np.abs(time - arrival - 100) - 100 - arrival, 1e-9)))
     assert np.allclose(angle[~held], np.maximum(folded[~held], 2))
 
 
@@ -128,7 +129,7 @@ def test_any_distance_can_be_given_as_a_table():
 def test_near_miss_passes_where_trigonometry_has_it(eye):
     deviation, l_over_v = np.radians(20.0), 20.0
     stimulus = stimuli.looming(
-        eye, l_over_v=l_over_v, start_angle=10, deviation=20, deviation_direction=90, start_ms=-200, end_ms=0
+        eye, l_over_v=l_over_v, start_angle=10, deviation=20, deviation_direction=90, start_ms=-400, end_ms=100
     )
     time = np.asarray(stimulus.time)
     start = l_over_v / np.tan(np.radians(5))
@@ -153,7 +154,9 @@ def test_straight_course_is_the_limit_of_near_misses():
 
 @pytest.mark.parametrize("direction", [0.0, 37.0, 180.0, 270.0])
 def test_translation_moves_the_centroid_at_the_asked_speed(direction):
-    stimulus = stimuli.translating(EYE, speed=50, size=12, start=-20, stop=20, direction=direction, azimuth=4)
+    stimulus = stimuli.translating(
+        EYE, speed=50, size=12, start=-20, stop=20, direction=direction, azimuth=4, **CROSSING
+    )
     right, up = centroid_px(stimulus)
     heading = np.radians(direction)
     travelled = np.clip(-20 + 50 * np.asarray(stimulus.time) / 1000, -20, 20) * EYE.pixels_per_degree
@@ -168,17 +171,17 @@ def test_translation_moves_the_centroid_at_the_asked_speed(direction):
     ("profile", "power"), [("constant", 0), ("linear", 1), ("accelerating", 2), ("decelerating", None)]
 )
 def test_speed_changes_as_its_profile_says(profile, power):
-    stimulus = stimuli.translating(EYE, speed=40, start=-20, stop=20, profile=profile, start_ms=0, end_ms=1000)
+    stimulus = stimuli.translating(EYE, speed=40, start=-20, stop=20, profile=profile, **CROSSING)
     position = np.asarray(stimulus.courses["position_deg"])
-    middle = np.asarray(stimulus.time)[:-1] / 1000 + 0.005
+    middle = np.asarray(stimulus.time)[10:-1] / 1000 + 0.005
     expected = 40 * (2 * (1 - middle) if power is None else (power + 1) * middle**power)
-    assert np.allclose(np.diff(position) * EYE.fps, expected, atol=0.02)
+    assert np.allclose(np.diff(position[10:]) * EYE.fps, expected, atol=0.02)
     assert position[[0, -1]] == pytest.approx([-20, 20])
 
 
 @pytest.mark.parametrize("eye", [EYE, PINHOLE], ids=["equidistant", "pinhole"])
 def test_object_that_passes_at_a_distance_has_the_size_of_perspective(eye):
-    stimulus = stimuli.translating(eye, distance_cm=30, size_cm=6, speed_cm_s=40, start=-18, stop=18)
+    stimulus = stimuli.translating(eye, distance_cm=30, size_cm=6, speed_cm_s=40, start=-18, stop=18, **CROSSING)
     position = np.asarray(stimulus.courses["position_cm"])
     assert position[[0, -1]] == pytest.approx(30 * np.tan(np.radians([-18, 18])))
     right, _ = centroid_px(stimulus)
@@ -204,8 +207,8 @@ def test_bar_grows_and_shrinks_by_one_edge(direction):
 
 
 def test_units_of_the_paper_are_pixels_and_grey_levels():
-    degrees = stimuli.translating(EYE, speed=50, size=10, start=-20, stop=20, contrast=-0.9)
-    pixels = stimuli.translating(EYE, speed_px=25, size_px=5, start_px=-10, stop_px=10, level=20)
+    degrees = stimuli.translating(EYE, speed=50, size=10, start=-20, stop=20, contrast=-0.9, **CROSSING)
+    pixels = stimuli.translating(EYE, speed_px=25, size_px=5, start_px=-10, stop_px=10, level=20, **CROSSING)
     assert np.allclose(degrees.frames, pixels.frames)
     assert "contrast" in degrees.parameters
     assert "contrast" not in pixels.parameters
