@@ -9,7 +9,7 @@ fit: $(VENV)/ready
 	$(VENV)/bin/lgmd2jax fit fits/dcmd.toml
 
 test: $(VENV)/ready
-	$(VENV)/bin/python -m pytest -n 2
+	$(VENV)/bin/python -m pytest -n 2 --dist loadfile
 
 lint: $(VENV)/ready
 	$(VENV)/bin/ruff check

@@ -109,9 +109,10 @@ def test_under_vmap(thresholds):
     def loss(parameters, frames):
         return lgmd.LGMD2(parameters, thresholds)(frames, 30.0).smp_adapted.sum()
 
-    together = jax.jit(jax.vmap(jax.grad(loss), in_axes=(None, 0)))(PARAMETERS, batch)
+    slope = jax.jit(jax.grad(loss))
+    together = jax.jit(jax.vmap(slope, in_axes=(None, 0)))(PARAMETERS, batch)
     for i, frames in enumerate(batch):
-        single = jax.grad(loss)(PARAMETERS, frames)
+        single = slope(PARAMETERS, frames)
         for name in lgmd.symbols():
             np.testing.assert_allclose(getattr(together, name)[i], getattr(single, name), rtol=1e-9, atol=1e-12)
 
@@ -122,23 +123,32 @@ def test_second_derivatives_exist():
         return channels(parameters, FRAMES)["smp"].sum()
 
     theta2 = jnp.asarray(1.3)
-    expected = central_difference(jax.grad(loss), theta2, 1e-4)
-    np.testing.assert_allclose(jax.hessian(loss)(theta2), expected, rtol=1e-5)
+    expected = central_difference(jax.jit(jax.grad(loss)), theta2, 1e-4)
+    np.testing.assert_allclose(jax.jit(jax.hessian(loss))(theta2), expected, rtol=1e-5)
 
 
 HARD_CASES = {
-    "rest": (PARAMETERS, jnp.full((6, 5, 5), 100.0)),
+    "rest": (PARAMETERS, jnp.full(FRAMES.shape, 100.0)),
     "saturation": (lgmd.Parameters(theta2=6.0, k=1e-3, T_ffi=1e6), FRAMES),
     "silenced": (lgmd.Parameters(T_ffi=1e-3), FRAMES),
     # S = 0 = T_s, d = 0 = T_sfa, Fbar = 0 and MP = 0 at rest: each exactly on its threshold.
-    "on thresholds": (lgmd.Parameters(theta1=1.0, T_s=0.0, T_sfa=0.0), jnp.full((6, 5, 5), 100.0)),
-    # sigma1 = w_bias = theta1 = 0 and steps of 10: S is exactly T_s where ON is; Fbar exactly T_ffi with no delay.
-    "on T_s": (
-        lgmd.Parameters(theta1=1.0, w_bias=0.0, sigma1=0.0),
-        jnp.arange(6)[:, None, None] * jnp.full((6, 5, 5), 10.0),
+    "on thresholds": (lgmd.Parameters(theta1=1.0, T_s=0.0, T_sfa=0.0), jnp.full(FRAMES.shape, 100.0)),
+    # Steps of 10 with neither inhibition nor memory: S = ON is exactly T_s, and Fbar = F exactly T_ffi.
+    "on T_s and T_ffi": (
+        lgmd.Parameters(theta1=1.0, w_bias=0.0, sigma1=0.0, tau2=1e-3),
+        jnp.arange(12.0)[:, None, None] * jnp.full(FRAMES.shape, 10.0),
     ),
     "no weight": (lgmd.Parameters(theta1=0.0, theta2=0.0, w_bias=0.0, sigma1=0.0, sigma_sp=0.0), FRAMES),
 }
+
+
+@eqx.filter_jit
+def slopes_of_everything(parameters, frames, thresholds):
+    def loss(parameters, frames):
+        out = channels(parameters, frames, thresholds, low_pass="exact")
+        return sum(jnp.sum(out[name]) for name in oracle.CHANNELS)
+
+    return jax.grad(loss, argnums=(0, 1))(parameters, frames)
 
 
 @pytest.mark.parametrize(
@@ -150,10 +160,12 @@ HARD_CASES = {
 @pytest.mark.parametrize("dtype", [jnp.float32, jnp.float64])
 def test_finite_where_it_is_hard(case, thresholds, dtype):
     parameters, frames = jax.tree.map(lambda leaf: leaf.astype(dtype), HARD_CASES[case])
-
-    def loss(parameters, frames):
-        out = channels(parameters, frames, thresholds, n_p=1, low_pass="exact")
-        return sum(jnp.sum(out[name]) for name in oracle.CHANNELS)
-
-    gradient = jax.grad(loss, argnums=(0, 1))(parameters, frames)
+    gradient = slopes_of_everything(parameters, frames, thresholds)
     assert all(bool(jnp.all(jnp.isfinite(leaf))) for leaf in jax.tree.leaves(gradient))
+
+
+def test_one_case_lies_exactly_on_its_thresholds():
+    parameters, frames = HARD_CASES["on T_s and T_ffi"]
+    response = lgmd.LGMD2(parameters, low_pass="exact")(frames, 30.0, record=lambda layers: layers.s)
+    assert np.all(response.recorded[1:] == parameters.T_s)
+    assert np.all(response.ffi[1:] == parameters.T_ffi)

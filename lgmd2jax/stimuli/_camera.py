@@ -1,6 +1,7 @@
 """A camera that films the screen: blur, flicker, sensor noise, quantisation."""
 
 import dataclasses
+import functools
 
 import jax
 import jax.numpy as jnp
@@ -42,17 +43,22 @@ def camera(
     flicker = number("flicker", flicker, "of the light", 0, 1)
     flicker_hz = number("flicker_hz", flicker_hz, "Hz", 0)
     blur = number("blur", blur, "px", 0)
+    frames = _filmed(stimulus.frames, stimulus.time, key, noise, flicker, flicker_hz, blur, bits)
+    return dataclasses.replace(stimulus, frames=frames)
+
+
+@functools.partial(jax.jit, static_argnames="bits")
+def _filmed(frames, time, key, noise, flicker, flicker_hz, blur, bits: int | None) -> Float[Array, "time row col"]:
     noise_key, phase_key = jax.random.split(key)
-    frames, dtype = stimulus.frames, stimulus.frames.dtype
-    _, rows, cols = frames.shape
+    dtype, (_, rows, cols) = frames.dtype, frames.shape
     frames = _gaussian(rows, blur) @ frames @ _gaussian(cols, blur).T
-    phase = 2 * np.pi * (flicker_hz * stimulus.time / 1000 + jax.random.uniform(phase_key))
+    phase = 2 * np.pi * (flicker_hz * time / 1000 + jax.random.uniform(phase_key))
     frames = frames * (1 + flicker * jnp.sin(phase))[:, None, None]
     frames = jnp.clip(frames + noise * jax.random.normal(noise_key, frames.shape), 0, 255)
     if bits is not None:
         step = 255 / (2**bits - 1)
         frames = frames + jax.lax.stop_gradient(step * jnp.round(frames / step) - frames)
-    return dataclasses.replace(stimulus, frames=frames.astype(dtype))
+    return frames.astype(dtype)
 
 
 def _gaussian(size: int, blur: Float[Array, ""]) -> Float[Array, "size size"]:

@@ -1,4 +1,4 @@
-"""Objects that cross the field of view: translating, elongating, shortening."""
+"""Objects that cross the field of view along a line."""
 
 import equinox as eqx
 import jax.numpy as jnp

@@ -133,7 +133,7 @@ def test_near_miss_passes_where_trigonometry_has_it(eye):
     )
     time = np.asarray(stimulus.time)
     start = l_over_v / np.tan(np.radians(5))
-    path = start + time
+    path = np.maximum(start + time, 0)
     depth, offset = start - path * np.cos(deviation), path * np.sin(deviation)
     distance = np.hypot(depth, offset)
     assert np.allclose(stimulus.courses["full_angle_deg"], 2 * np.degrees(np.arctan(l_over_v / distance)))
@@ -142,7 +142,7 @@ def test_near_miss_passes_where_trigonometry_has_it(eye):
         expected = np.degrees(np.arctan2(offset, depth)) / eye.degrees_per_pixel
     else:
         expected = eye.focal_px * offset / depth
-    whole = expected + np.asarray(stimulus.courses["radius_px"]) < eye.rows / 2
+    whole = (depth > 0) & (expected + np.asarray(stimulus.courses["radius_px"]) < eye.rows / 2)
     assert whole.sum() > 5
     assert np.max(np.abs(up - expected)[whole]) < CENTROID
 
