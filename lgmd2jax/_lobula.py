@@ -8,9 +8,7 @@ from jaxtyping import Array, Float
 from lgmd2jax._low_pass import LowPass, coefficient, low_pass
 from lgmd2jax._parameters import Parameters
 from lgmd2jax._retina import magnitude
-from lgmd2jax._thresholds import Thresholds
-
-Scalar = Float[Array, ""]
+from lgmd2jax._thresholds import Scalar, Thresholds
 
 
 class CellState(eqx.Module):

@@ -118,6 +118,11 @@ class LGMD2(eqx.Module):
             raise ValueError(f"low_pass is {self.low_pass!r}; choose {nearest(self.low_pass, LOW_PASS_FORMS)}")
         self._check_persistence()
 
+    def __repr__(self):
+        thresholds = f"{type(self.thresholds).__name__}({getattr(self.thresholds, 'temperature', '')})"
+        structure = f"n_p={self.n_p}, low_pass={self.low_pass!r}, N_ts={self.N_ts}, eye={self.eye}"
+        return f"LGMD2({thresholds}, {structure},\n{self.parameters})"
+
     def __call__(
         self,
         frames: Real[Array | np.ndarray, "time row col"],

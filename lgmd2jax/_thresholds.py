@@ -12,8 +12,8 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from lgmd2jax._parameters import _scalar, is_concrete
+from lgmd2jax._retina import Map
 
-Map = Float[Array, "row col"]
 Scalar = Float[Array, ""]
 
 
