@@ -30,10 +30,12 @@ def ablate(model: LGMD2, *mechanisms: str) -> LGMD2:
     for mechanism in mechanisms:
         if mechanism not in ABLATIONS:
             raise ValueError(f"mechanism is {mechanism!r}; choose {nearest(mechanism, ABLATIONS)}")
-        for name, value in ABLATIONS[mechanism].items():
-            model = eqx.tree_at(
-                lambda model: getattr(model.parameters, name),  # noqa: B023 - called at once
-                model,
-                replace_fn=lambda leaf: jnp.full_like(leaf, value),  # noqa: B023
-            )
+        values = {
+            name: jnp.full_like(getattr(model.parameters, name), value) for name, value in ABLATIONS[mechanism].items()
+        }
+        model = eqx.tree_at(
+            lambda model, names=tuple(values): [getattr(model.parameters, name) for name in names],
+            model,
+            list(values.values()),
+        )
     return model

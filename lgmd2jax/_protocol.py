@@ -1,7 +1,6 @@
 """A protocol: the conditions of an experiment, read from a TOML file, each a stimulus that can be rendered."""
 
 import dataclasses
-import tomllib
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -12,6 +11,7 @@ import jax
 from lgmd2jax._arguments import arguments, check_complete, check_keys, keywords
 from lgmd2jax._catalogue import locate
 from lgmd2jax._eye import Eye
+from lgmd2jax._files import read_toml
 from lgmd2jax._grid import expand, fill
 from lgmd2jax._parameters import nearest
 from lgmd2jax.stimuli import FAMILIES, Stimulus, camera
@@ -93,10 +93,7 @@ def load_protocol(source: str | Path) -> Protocol:
     what is not a protocol.
     """
     path = locate(source, "stimuli")
-    try:
-        document = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ValueError(f"{path} is not a TOML file: {error}") from error
+    document = read_toml(path)
     try:
         return Protocol(path.stem, _conditions(document, path.parent.resolve()))
     except ValueError as error:

@@ -3,7 +3,6 @@
 import csv
 import dataclasses
 import json
-import tomllib
 from collections.abc import Callable
 from importlib.metadata import version
 from pathlib import Path
@@ -15,7 +14,7 @@ from lgmd2jax import hard
 from lgmd2jax._arguments import check_keys
 from lgmd2jax._catalogue import locate
 from lgmd2jax._export import save
-from lgmd2jax._files import replaced
+from lgmd2jax._files import read_toml, replaced
 from lgmd2jax._model import LGMD2
 from lgmd2jax._parameters import PRESETS, Parameters, nearest, symbols
 from lgmd2jax._protocol import Condition, load_protocol
@@ -62,10 +61,7 @@ def load_recipe(source: str | Path) -> Recipe:
     **Raises:** `ValueError`, which names the file and the key, for what is not a recipe; `FileNotFoundError`.
     """
     path = locate(source, "fits")
-    try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ValueError(f"{path} is not a TOML file: {error}") from error
+    table = read_toml(path)
     try:
         return _recipe(path, table)
     except (ValueError, TypeError) as error:
