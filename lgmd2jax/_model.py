@@ -15,6 +15,7 @@ from lgmd2jax._eye import Eye
 from lgmd2jax._lobula import CellState, cell_step
 from lgmd2jax._low_pass import LOW_PASS_FORMS, LowPass, coefficient, low_pass
 from lgmd2jax._parameters import Parameters, check_parameters, is_concrete, nearest, symbols
+from lgmd2jax._pool import pool
 from lgmd2jax._retina import Map
 from lgmd2jax._thresholds import Hard, Thresholds
 
@@ -221,9 +222,7 @@ class LGMD2(eqx.Module):
 
         history = jnp.concatenate([p[None], state.p])[: self.n_p]
         layers = Layers(p, on, off, d_on, d_off, s_on, s_off, s, s_gated, medulla.g_layer(s_gated))
-        # Divided inside of the sum: a product outside would be fused into the cell by `step` and not by the scan, and
-        # the two would round differently.
-        mp, f = s_gated.sum(), (retina.magnitude(p) / p.size).sum()
+        mp, f = pool(s_gated), pool(retina.magnitude(p), 1 / p.size)
         return PixelState(frame, history, on, off, d_on, d_off), (mp, f, layers)
 
     def _cell_step(self, state: CellState, mp, f, interval, pixels: int) -> tuple[CellState, dict]:

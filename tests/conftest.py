@@ -27,3 +27,12 @@ def data() -> pathlib.Path:
     if not folder.is_dir():
         pytest.skip(f"no recordings at {folder}; set LGMD2JAX_DATA to the folder that holds them")
     return folder
+
+
+def pytest_terminal_summary(terminalreporter):
+    """Print the tables that tests recorded, whichever worker ran them."""
+    for report in terminalreporter.getreports("passed"):
+        for name, value in report.user_properties:
+            if name == "table":
+                terminalreporter.section(report.nodeid)
+                terminalreporter.write_line(value)
