@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from lgmd2jax._catalogue import locate
+from lgmd2jax._catalogue import results_folder
 from lgmd2jax._recipe import load_recipe, write_results
 
 _EXAMPLES = """\
@@ -41,9 +41,8 @@ def run(options: argparse.Namespace) -> None:
     from lgmd2jax._figures_fit import fit_figure
 
     recipe = load_recipe(options.recipe)
-    given = Path(options.recipe)
-    folder = options.output or (given.with_suffix("") if given.is_file() else Path(recipe.name))
-    print(f"fitting {', '.join(recipe.free.bounds)} of {locate(options.recipe, 'fits')}")
+    folder = options.output or results_folder(options.recipe) / recipe.name
+    print(f"fitting {', '.join(recipe.free.bounds)} of {recipe.name}")
     result = recipe.run()
     curves = write_results(recipe, result, folder, fit_figure)
     for name, (low, high) in recipe.free.bounds.items():

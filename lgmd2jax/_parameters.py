@@ -210,18 +210,18 @@ PRESETS: Mapping[str, Mapping[str, float]] = {
 }
 
 
-def preset(name: str) -> Parameters:
-    """One of the parameter sets that the paper names.
+def preset(name: str, **changes: float | int) -> Parameters:
+    """One of the parameter sets that the paper names, with single parameters changed.
 
     - `"lgmd2"`: Table I; the ON pathway is blocked, so the cell answers dark approach.
     - `"balanced"`: ON and OFF alike, the paper's LGMD1 by this circuit.
     - `"light_selective"`: the OFF pathway is blocked, so the cell answers light objects.
 
-    **Raises:** `ValueError` for another name.
+    **Raises:** `ValueError` for another name, and for values outside of their domain.
     """
     if name not in PRESETS:
         raise ValueError(f"preset is {name!r}; choose {nearest(name, PRESETS)}")
-    return Parameters(**PRESETS[name])
+    return Parameters(**{**PRESETS[name], **changes})
 
 
 def nearest(name: str, known) -> str:

@@ -16,10 +16,10 @@ from lgmd2jax._catalogue import locate
 from lgmd2jax._export import save
 from lgmd2jax._files import read_toml, replaced
 from lgmd2jax._model import LGMD2
-from lgmd2jax._parameters import PRESETS, Parameters, nearest, symbols
+from lgmd2jax._parameters import preset, symbols
 from lgmd2jax._protocol import Condition, load_protocol
 from lgmd2jax.fitting import Fit, Free, Observation, Target, fit, read_target
-from lgmd2jax.fitting._fit import variance_explained
+from lgmd2jax.fitting._fit import TEMPERATURES, variance_explained
 from lgmd2jax.stimuli import Stimulus
 
 
@@ -80,9 +80,6 @@ def _recipe(path: Path, table: dict[str, Any]) -> Recipe:
         check_keys(limits, ("low", "high"))
     check_keys(table.get("observation", {}), [field.name for field in dataclasses.fields(Observation)])
     check_keys(table.get("solver", {}), ("temperatures",))
-    name = table.get("preset", "lgmd2")
-    if name not in PRESETS:
-        raise ValueError(f"preset is {name!r}; choose {nearest(name, PRESETS)}")
     bounds = {
         name: (limits.get("low", symbols()[name].bounds[0]), limits.get("high", symbols()[name].bounds[1]))
         for name, limits in table["free"].items()
@@ -91,10 +88,10 @@ def _recipe(path: Path, table: dict[str, Any]) -> Recipe:
     protocol = load_protocol(beside if beside.is_file() else table["protocol"])
     return Recipe(
         name=path.stem,
-        model=LGMD2(Parameters(**{**PRESETS[name], **fixed}), eye=protocol.conditions[0].eye),
+        model=LGMD2(preset(table.get("preset", "lgmd2"), **fixed), eye=protocol.conditions[0].eye),
         observation=Observation(**table.get("observation", {})),
         free=Free(**bounds),
-        temperatures=tuple(table.get("solver", {}).get("temperatures", (1.0, 0.3, 0.1))),
+        temperatures=tuple(table.get("solver", {}).get("temperatures", TEMPERATURES)),
         conditions=tuple(_with_target(condition) for condition in protocol.conditions),
     )
 

@@ -16,6 +16,8 @@ from lgmd2jax.fitting._observation import Observation
 from lgmd2jax.fitting._target import Target
 from lgmd2jax.stimuli import Stimulus
 
+TEMPERATURES = (1.0, 0.3, 0.1)
+
 
 class Fit(eqx.Module):
     """What a fit found.
@@ -41,7 +43,7 @@ def fit(
     conditions: Sequence[tuple[Stimulus, Target]],
     observation: Observation,
     free: Free,
-    temperatures: Sequence[float] = (1.0, 0.3, 0.1),
+    temperatures: Sequence[float] = TEMPERATURES,
 ) -> Fit:
     """Fit the free parameters by Levenberg-Marquardt, each temperature from the one before.
 
