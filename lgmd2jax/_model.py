@@ -273,18 +273,28 @@ class LGMD2(eqx.Module):
 @eqx.filter_jit
 def _respond(model: LGMD2, frames, interval, record) -> Response:
     model, interval = _opaque((model, interval))
+    mp, f, recorded = potentials(model, frames, interval, record)
+    return Response(**channels(model, mp, f, interval, frames[0].size), recorded=recorded)
 
-    def pixels(state, frame):
+
+def potentials(model: LGMD2, frames, interval, record: Record | None = None) -> tuple[Array, Array, Any]:
+    """The pixel stage over a clip: MP(t), F(t) and what was recorded. No parameter of the cell plays a part in it."""
+
+    def step(state, frame):
         state, (mp, f, layers) = model._pixel_step(state, frame, interval)
         return state, (mp, f, None if record is None else record(layers))
 
-    def cell(state, potentials):
-        mp, f = potentials
-        return model._cell_step(state, mp, f, interval, frames[0].size)
+    return jax.lax.scan(step, model._rest(frames[0]), frames)[1]
 
-    _, (mp, f, recorded) = jax.lax.scan(pixels, model._rest(frames[0]), frames)
-    _, channels = jax.lax.scan(cell, CellState.rest(model.N_ts, model._cell_dtype(frames)), (mp, f))
-    return Response(**channels, recorded=recorded)
+
+def channels(model: LGMD2, mp, f, interval, pixels: int) -> dict[str, Array]:
+    """The cell over a clip, from MP(t) and F(t): the channels of a `Response`."""
+
+    def step(state, potentials):
+        return model._cell_step(state, *potentials, interval, pixels)
+
+    dtype = jnp.result_type(mp.dtype, model.parameters.tau1.dtype)
+    return jax.lax.scan(step, CellState.rest(model.N_ts, dtype), (mp, f))[1]
 
 
 @eqx.filter_jit
