@@ -3,6 +3,7 @@
 import dataclasses
 import difflib
 from collections.abc import Mapping
+from typing import Literal
 
 import equinox as eqx
 import jax
@@ -23,6 +24,7 @@ class Symbol:
     - `domain`: the values that make sense at all, as an interval such as `"(0, inf)"`; square brackets include the end.
     - `bounds`: the range that a fit searches by default.
     - `source`: where default and bounds come from.
+    - `scale`: how a fit measures within the bounds; `"log"` for what is a matter of factors.
     """
 
     meaning: str
@@ -30,6 +32,7 @@ class Symbol:
     domain: str
     bounds: tuple[float, float]
     source: str
+    scale: Literal["linear", "log"] = "linear"
 
     @property
     def limits(self) -> tuple[float, float]:
@@ -55,8 +58,15 @@ def _scalar(value) -> Array:
     return jnp.asarray(value, dtype=jax.dtypes.canonicalize_dtype(value.dtype))
 
 
-def _symbol(meaning: str, unit: str, domain: str, bounds: tuple[float, float], source: str = _TABLE_I):
-    return {"symbol": Symbol(meaning, unit, domain, bounds, source)}
+def _symbol(
+    meaning: str,
+    unit: str,
+    domain: str,
+    bounds: tuple[float, float],
+    source: str = _TABLE_I,
+    scale: Literal["linear", "log"] = "linear",
+):
+    return {"symbol": Symbol(meaning, unit, domain, bounds, source, scale)}
 
 
 class Parameters(eqx.Module):
@@ -86,17 +96,19 @@ class Parameters(eqx.Module):
     tau1: Float[Array, ""] = eqx.field(
         default=30.0,
         converter=_scalar,
-        metadata=_symbol("delay of the lateral flow (eq. 4)", "ms", "(0, inf)", (5.0, 50.0)),
+        metadata=_symbol("delay of the lateral flow (eq. 4)", "ms", "(0, inf)", (5.0, 50.0), scale="log"),
     )
     tau2: Float[Array, ""] = eqx.field(
         default=30.0,
         converter=_scalar,
-        metadata=_symbol("delay of the feed-forward inhibition (eq. 14)", "ms", "(0, inf)", (5.0, 100.0)),
+        metadata=_symbol("delay of the feed-forward inhibition (eq. 14)", "ms", "(0, inf)", (5.0, 100.0), scale="log"),
     )
     tau3: Float[Array, ""] = eqx.field(
         default=500.0,
         converter=_scalar,
-        metadata=_symbol("time constant of spike-frequency adaptation (eq. 15)", "ms", "(0, inf)", (400.0, 1000.0)),
+        metadata=_symbol(
+            "time constant of spike-frequency adaptation (eq. 15)", "ms", "(0, inf)", (400.0, 1000.0), scale="log"
+        ),
     )
     w_bias: Float[Array, ""] = eqx.field(
         default=0.3,
@@ -111,20 +123,24 @@ class Parameters(eqx.Module):
     T_s: Float[Array, ""] = eqx.field(
         default=10.0,
         converter=_scalar,
-        metadata=_symbol("threshold of the S layer (eq. 9)", "grey level", "[0, inf)", (1.0, 50.0)),
+        metadata=_symbol("threshold of the S layer (eq. 9)", "grey level", "[0, inf)", (1.0, 50.0), scale="log"),
     )
     T_ffi: Float[Array, ""] = eqx.field(
         default=10.0,
         converter=_scalar,
         metadata=_symbol(
-            "feed-forward inhibition above which the cell is silenced", "grey level", "(0, inf)", (1.0, 60.0)
+            "feed-forward inhibition above which the cell is silenced",
+            "grey level",
+            "(0, inf)",
+            (1.0, 60.0),
+            scale="log",
         ),
     )
     T_sfa: Float[Array, ""] = eqx.field(
         default=1e-3,
         converter=_scalar,
         metadata=_symbol(
-            "rise of the SMP in a frame up to which adaptation acts (eq. 15)", "1", "[-1, 1]", (1e-5, 1e-2)
+            "rise of the SMP in a frame up to which adaptation acts (eq. 15)", "1", "[-1, 1]", (1e-5, 1e-2), scale="log"
         ),
     )
     T_sp: Float[Array, ""] = eqx.field(
@@ -139,7 +155,11 @@ class Parameters(eqx.Module):
         default=1.0,
         converter=_scalar,
         metadata=_symbol(
-            "mean potential of a pixel that maps to sigma(1) (eq. 12)", "grey level", "(0, inf)", (0.1, 2.0)
+            "mean potential of a pixel that maps to sigma(1) (eq. 12)",
+            "grey level",
+            "(0, inf)",
+            (0.1, 2.0),
+            scale="log",
         ),
     )
     u: Float[Array, ""] = eqx.field(
