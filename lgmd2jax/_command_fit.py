@@ -1,22 +1,33 @@
-"""`lgmd2jax fit RECIPE`: from recorded curves to a model that a robot runs."""
+"""`lgmd2jax fit RECIPE`: from target curves to a model that a robot runs."""
 
 import argparse
+import datetime
+import platform
+import time
 from pathlib import Path
 
 from lgmd2jax._catalogue import results_folder
-from lgmd2jax._recipe import load_recipe, write_results
+from lgmd2jax._folder import check_folder
+from lgmd2jax._memory import FileMemory
+from lgmd2jax._recipe import Recipe, load_recipe
+from lgmd2jax._results import MARKER, save_fit
+from lgmd2jax.fitting import Fit
+from lgmd2jax.fitting._report import Extra
 
 _EXAMPLES = """\
 examples:
-  lgmd2jax fit dcmd                   the shipped recipe dcmd: results in dcmd/ here
+  lgmd2jax fit lgmd2                  the shipped recipe lgmd2: results in lgmd2/ here
   lgmd2jax fit mine.toml              one of your own: results in mine/ beside mine.toml
   lgmd2jax fit mine.toml -o tonight   results in tonight/
+  lgmd2jax fit mine.toml --resume     go on where a fit was stopped or killed
 
-The folder then holds
-  model.json   the fitted model with hard thresholds, to be handed over: see lgmd2jax/hard.py
-  curves.csv   target, soft and hard rate of every condition over time
-  fit.json     free parameters with value and bounds, loss, variance explained, versions
-  fit.png      the same as a picture
+Ctrl-C ends the search and writes the best so far. The folder then holds
+  model.json        the fitted model with hard thresholds, to be handed over: see lgmd2jax/hard.py
+  report.html       all of it on one page; report.txt as text
+  fit.json          values, errors, intervals, every start, versions
+  curves.csv        target, soft and hard model of every condition over time
+  fit.png           the same as a picture
+  diagnostics.png   starts, loss over steps, correlations, what the data determine
 """
 
 
@@ -24,7 +35,7 @@ def add(commands) -> None:
     """Add the command to argparse's sub-commands."""
     parser = commands.add_parser(
         "fit",
-        help="fit a model to recorded curves",
+        help="fit a model to target curves",
         description="Fit the free parameters of a recipe to its target curves, and hand over the hard model.",
         epilog=_EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -33,24 +44,46 @@ def add(commands) -> None:
     parser.add_argument(
         "-o", "--output", type=Path, metavar="FOLDER", help="default: beside the recipe; for a shipped one, here"
     )
+    parser.add_argument("--resume", action="store_true", help="keep the starts that an earlier run has finished")
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> None:
-    """Make the fit, write its folder, and say how good it is."""
-    from lgmd2jax._figures_fit import fit_figure
-
+    """Make the fit, write its folder, and print the report."""
+    began = time.monotonic()
     recipe = load_recipe(options.recipe)
     folder = options.output or results_folder(options.recipe) / recipe.name
-    print(f"fitting {', '.join(recipe.free.bounds)} of {recipe.name}")
-    result = recipe.run()
-    curves = write_results(recipe, result, folder, fit_figure)
-    for name, (low, high) in recipe.free.bounds.items():
-        value = float(getattr(result.model.parameters, name))
-        note = "  on its bound" if min(value - low, high - value) < 1e-3 * (high - low) else ""
-        print(f"  {name:8} {value:10.4g}   within ({low:g}, {high:g}){note}")
-    steps = " + ".join(str(steps) for steps in result.steps)
-    print(f"  solver: {result.result} after {steps} steps")
-    for curve in curves:
-        print(f"  {curve.name}: R2 {curve.r2['hard']:.3f} of the hard model, {curve.r2['soft']:.3f} of the soft one")
-    print(f"wrote {folder}/: model.json, curves.csv, fit.json, fit.png")
+    check_folder(folder, MARKER)
+    digest = recipe.digest()
+    memory = FileMemory(folder.absolute().with_name(f".{folder.absolute().name}.starts.jsonl"), digest, options.resume)
+    print(f"fitting {', '.join(recipe.free.names)} to {len(recipe.pairs)} conditions of {recipe.name}", flush=True)
+    fit = recipe.run(progress=True, memory=memory)
+    stopped = fit.result == "stopped by hand"
+    extra = Extra(truth=recipe.truth) if stopped else _extra(recipe, fit)
+    made = {
+        "recipe": recipe.table,
+        "digest": digest,
+        "made": {
+            "date": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+            "seconds": round(time.monotonic() - began, 1),
+            "python": platform.python_version(),
+            "machine": f"{platform.system()} {platform.machine()}",
+        },
+    }
+    provenance = {"recipe": recipe.name, "seed": recipe.seed, "digest": digest}
+    save_fit(fit, folder, name=recipe.name, extra=extra, provenance=provenance, made=made)
+    print(fit.summary(extra))
+    print(f"\nwrote {folder}/ in {time.monotonic() - began:.0f} s; open {folder}/report.html")
+    if stopped:
+        print("stopped by hand: this is the best so far; go on with --resume")
+        raise SystemExit(130)
+    memory.forget()
+
+
+def _extra(recipe: Recipe, fit: Fit) -> Extra:
+    """What the recipe asks for beside the fit."""
+    return Extra(
+        profiles={name: fit.profile(name) for name in recipe.profile},
+        left_out=recipe.predict_each(progress=True) if recipe.leave_one_out else {},
+        truth=recipe.truth,
+    )

@@ -3,7 +3,9 @@
 import dataclasses
 import json
 import os
+from collections.abc import Mapping
 from importlib.metadata import version
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +16,7 @@ from lgmd2jax._model import LGMD2
 from lgmd2jax._parameters import Parameters, symbols
 
 
-def save(model: LGMD2, path: str | os.PathLike) -> None:
+def save(model: LGMD2, path: str | os.PathLike, provenance: Mapping[str, Any] | None = None) -> None:
     """Write the hand-over file: the parameters, for hard thresholds, with structure, eye and version.
 
     Equal models give equal files. A number is written as shortly as its precision allows.
@@ -33,7 +35,7 @@ def save(model: LGMD2, path: str | os.PathLike) -> None:
         "parameters": parameters,
         "structure": {"n_p": model.n_p, "low_pass": model.low_pass, "N_ts": model.N_ts},
         "eye": None if model.eye is None else dataclasses.asdict(model.eye),
-        "provenance": {"program": f"lgmd2jax {version('lgmd2jax')}"},
+        "provenance": {"program": f"lgmd2jax {version('lgmd2jax')}", **(provenance or {})},
     }
     with replaced(path) as temporary, open(temporary, "w", encoding="utf-8") as file:
         json.dump(content, file, indent=2, allow_nan=False)

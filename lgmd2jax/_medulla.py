@@ -24,17 +24,18 @@ def _neighbourhood(x: Map, centre: float) -> Map:
 def lateral(d: Map) -> Map:
     """Eqs 5, 6: W * D with W = 0 at the centre, .25 for the nearest and .125 for the diagonal neighbours.
 
-    [1 2 1] x [1 2 1] / 8 is W but for 1/2 at the centre, and it separates.
+    [1 2 1] x [1 2 1] / 8 is W but for 1/2 at the centre, and it separates. With repeated edges W is symmetric as a
+    matrix over pixels, so that it is its own adjoint: sum(x lateral(y)) = sum(lateral(x) y).
     """
     return _neighbourhood(d, 2.0) / 8 - d / 2
 
 
-def local_sums(on: Map, off: Map, d_on: Map, d_off: Map, w_bias: Float[Array, ""]) -> tuple[Map, Map]:
-    """Eqs 5-7: S_on = ON - w_bias W*D_on, S_off = W*D_off - w_bias OFF.
+def local_sums(on: Map, off: Map, spread_on: Map, spread_off: Map, w_bias: Float[Array, ""]) -> tuple[Map, Map]:
+    """Eq. 7: S_on = ON - w_bias W*D_on, S_off = W*D_off - w_bias OFF.
 
     The two pathways delay opposite flows: the inhibition in ON, the excitation in OFF.
     """
-    return on - w_bias * lateral(d_on), lateral(d_off) - w_bias * off
+    return on - w_bias * spread_on, spread_off - w_bias * off
 
 
 def s_layer(s_on: Map, s_off: Map, parameters: Parameters) -> Map:

@@ -17,6 +17,7 @@ from lgmd2jax._low_pass import LOW_PASS_FORMS, LowPass, coefficient, low_pass
 from lgmd2jax._parameters import Parameters, check_parameters, is_concrete, nearest, symbols
 from lgmd2jax._pool import pool
 from lgmd2jax._retina import Map
+from lgmd2jax._sensitivity import with_sensitivities
 from lgmd2jax._thresholds import Hard, Thresholds
 
 
@@ -207,6 +208,16 @@ class LGMD2(eqx.Module):
 
     def _pixel_step(self, state: PixelState, frame: Map, interval) -> tuple[PixelState, tuple[Array, Array, Layers]]:
         """Eqs 1-11 and 13: the next state of the pixels; MP, F and the layers of this frame."""
+        state, p, f = self._remember(state, frame, interval)
+        spread_on, spread_off = medulla.lateral(state.d_on), medulla.lateral(state.d_off)
+        s, s_on, s_off = self._sum_flows(state.on, state.off, spread_on, spread_off)
+        mp, s_gated = self._gate_and_pool(s)
+        g = medulla.g_layer(s_gated)
+        layers = Layers(p, state.on, state.off, state.d_on, state.d_off, s_on, s_off, s, s_gated, g)
+        return state, (mp, f, layers)
+
+    def _remember(self, state: PixelState, frame: Map, interval) -> tuple[PixelState, Map, Array]:
+        """Eqs 1-4 and 13, all that has a memory, each pixel by itself: the next state, P and F."""
         parameters, interval = _cast((self.parameters, interval), frame.dtype)
         a = coefficient(parameters.tau1, interval, self.low_pass)
 
@@ -216,14 +227,20 @@ class LGMD2(eqx.Module):
         off = retina.residual(off, state.off, parameters.sigma1)
         d_on = low_pass(state.d_on, on, a)
         d_off = low_pass(state.d_off, off, a)
-        s_on, s_off = medulla.local_sums(on, off, d_on, d_off, parameters.w_bias)
-        s = medulla.s_layer(s_on, s_off, parameters)
-        s_gated = medulla.gate(s, parameters.T_s, self.thresholds)
 
         history = jnp.concatenate([p[None], state.p])[: self.n_p]
-        layers = Layers(p, on, off, d_on, d_off, s_on, s_off, s, s_gated, medulla.g_layer(s_gated))
-        mp, f = pool(s_gated), pool(retina.magnitude(p), 1 / p.size)
-        return PixelState(frame, history, on, off, d_on, d_off), (mp, f, layers)
+        return PixelState(frame, history, on, off, d_on, d_off), p, pool(retina.magnitude(p), 1 / p.size)
+
+    def _sum_flows(self, on: Map, off: Map, spread_on: Map, spread_off: Map) -> tuple[Map, Map, Map]:
+        """Eqs 7 and 8: S, and S_on and S_off on the way to it."""
+        parameters = _cast(self.parameters, on.dtype)
+        s_on, s_off = medulla.local_sums(on, off, spread_on, spread_off, parameters.w_bias)
+        return medulla.s_layer(s_on, s_off, parameters), s_on, s_off
+
+    def _gate_and_pool(self, s: Map) -> tuple[Array, Map]:
+        """Eqs 9 and 11: MP, and S' on the way to it."""
+        s_gated = medulla.gate(s, self.parameters.T_s.astype(s.dtype), self.thresholds)
+        return pool(s_gated), s_gated
 
     def _cell_step(self, state: CellState, mp, f, interval, pixels: int) -> tuple[CellState, dict]:
         """Eqs 12-17 in the cell's own precision."""
@@ -279,12 +296,22 @@ def _respond(model: LGMD2, frames, interval, record) -> Response:
 
 def potentials(model: LGMD2, frames, interval, record: Record | None = None) -> tuple[Array, Array, Any]:
     """The pixel stage over a clip: MP(t), F(t) and what was recorded. No parameter of the cell plays a part in it."""
+    if record is None:
+        return *_potentials(model, frames, interval), None
+    return _scan(model, frames, interval, record)
 
+
+def _scan(model: LGMD2, frames, interval, record: Record | None) -> tuple[Array, Array, Any]:
     def step(state, frame):
         state, (mp, f, layers) = model._pixel_step(state, frame, interval)
         return state, (mp, f, None if record is None else record(layers))
 
     return jax.lax.scan(step, model._rest(frames[0]), frames)[1]
+
+
+@with_sensitivities
+def _potentials(model: LGMD2, frames, interval) -> tuple[Array, Array]:
+    return _scan(model, frames, interval, None)[:2]
 
 
 def channels(model: LGMD2, mp, f, interval, pixels: int) -> dict[str, Array]:
@@ -306,9 +333,12 @@ def _advance(model: LGMD2, state: State, frame, interval, record) -> tuple[State
 
 
 def _opaque(tree):
-    """The same, but never folded as a constant: so closed-over and passed parameters round alike, to the bit."""
+    """The same, but never folded as a constant: so closed-over and passed parameters round alike, to the bit.
+
+    One barrier a leaf: a common one would spread a tangent of one leaf over all of them.
+    """
     arrays, rest = eqx.partition(tree, eqx.is_array)
-    return eqx.combine(jax.lax.optimization_barrier(arrays), rest)
+    return eqx.combine(jax.tree.map(jax.lax.optimization_barrier, arrays), rest)
 
 
 def _as_pixels(frames, parameters: Parameters, name: str, shape: str, rank: int) -> Array:

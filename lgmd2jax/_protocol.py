@@ -14,6 +14,8 @@ from lgmd2jax._eye import Eye
 from lgmd2jax._files import read_toml
 from lgmd2jax._grid import expand, fill
 from lgmd2jax._parameters import nearest
+from lgmd2jax._target import AnyTarget
+from lgmd2jax._target_table import target
 from lgmd2jax.stimuli import FAMILIES, Stimulus, camera
 
 _CONDITION_KEYS = ("name", "family", "eye", "camera", "target")
@@ -30,7 +32,7 @@ class Condition:
     - `family`: the name of a renderer in `lgmd2jax.stimuli.FAMILIES`.
     - `parameters`: the renderer's keyword arguments; what is left out has the family's own default.
     - `camera`: what films the stimulus, as keyword arguments of `lgmd2jax.stimuli.camera` and a `seed`; None for none.
-    - `targets`: the curves that a fit compares with, as plain tables; paths in them are absolute.
+    - `targets`: the curves that a fit compares with: a `Target`, or what becomes one on the stimulus.
     """
 
     name: str
@@ -38,7 +40,7 @@ class Condition:
     family: str
     parameters: Mapping[str, Any]
     camera: Mapping[str, Any] | None = None
-    targets: tuple[Mapping[str, Any], ...] = ()
+    targets: tuple[AnyTarget, ...] = ()
 
     def render(self) -> Stimulus:
         """The stimulus, under the name of the condition.
@@ -84,8 +86,9 @@ def load_protocol(source: str | Path) -> Protocol:
     common eye. Lists in these are axes too.
 
     Placeholders in names and targets are filled by the parameters and the fields of the eye, numbers with %g;
-    `{background[image]}` reaches into a table. Targets (`[[condition.target]]`, one or more) are kept as they stand; a
-    `file` in them is looked for beside the protocol.
+    `{background[image]}` reaches into a table. Targets are tables under `[[condition.target]]`, none or more, or under
+    `[[target]]` for all conditions: a recorded curve or spike times in a `file` beside the protocol, a `law`, or what
+    another `model` answers. `target` in lgmd2jax/_target_table.py shows all that they take.
 
     **Arguments:** `source`: a path, or the bare name of a shipped protocol: `"paper"`, `"looming"`, `"robot"`, ...
 
@@ -101,14 +104,14 @@ def load_protocol(source: str | Path) -> Protocol:
 
 
 def _conditions(document: dict[str, Any], folder: Path) -> tuple[Condition, ...]:
-    check_keys(document, ("eye", "condition"))
-    eye, tables = _table(document, "eye"), document.get("condition")
+    check_keys(document, ("eye", "target", "condition"))
+    eye, common, tables = _table(document, "eye"), _target_tables(document), document.get("condition")
     if not (isinstance(tables, list) and tables and all(isinstance(table, dict) for table in tables)):
         raise ValueError("no conditions; write each as a table under [[condition]]")
     conditions = []
     for number, table in enumerate(tables, start=1):
         try:
-            conditions += [_condition(point, folder) for point in _points(table, eye)]
+            conditions += [_condition(point, folder) for point in _points(table, eye, common)]
         except ValueError as error:
             raise ValueError(f"condition {number} ({table.get('name', 'without a name')}): {error}") from error
     for name, count in Counter(condition.name for condition in conditions).items():
@@ -117,14 +120,12 @@ def _conditions(document: dict[str, Any], folder: Path) -> tuple[Condition, ...]
     return tuple(conditions)
 
 
-def _points(table: dict[str, Any], eye: dict[str, Any]) -> Iterator[dict[str, Any]]:
-    """The grid points of one [[condition]], each with its whole eye; targets are no axes and stay as written."""
+def _points(table: dict[str, Any], eye: dict[str, Any], common: list[dict[str, Any]]) -> Iterator[dict[str, Any]]:
+    """The grid points of one [[condition]], each with its whole eye and all its targets, which are no axes."""
     for key in ("name", "family"):
         if not isinstance(table.get(key), (str, list)):
             raise ValueError(f"{key} is missing; every condition has a name and a family, both text")
-    targets = table.get("target", [])
-    if not (isinstance(targets, list) and all(isinstance(target, dict) for target in targets)):
-        raise ValueError("target is not a list of tables; write [[condition.target]]")
+    targets = [*common, *_target_tables(table)]
     grid = {key: value for key, value in table.items() if key != "target"} | {"eye": eye | _table(table, "eye")}
     for point in expand(grid):
         yield point | {"target": targets}
@@ -146,8 +147,25 @@ def _condition(point: dict[str, Any], folder: Path) -> Condition:
         family=family,
         parameters=arguments(FAMILIES[family], written, folder),
         camera=_camera(_table(point, "camera"), folder) if "camera" in point else None,
-        targets=tuple(_with_path(fill(target, values), folder) for target in point["target"]),
+        targets=_targets(point["target"], values, folder),
     )
+
+
+def _target_tables(document: dict[str, Any]) -> list[dict[str, Any]]:
+    tables = document.get("target", [])
+    if not (isinstance(tables, list) and all(isinstance(table, dict) for table in tables)):
+        raise ValueError("target is not a list of tables; write [[target]] or [[condition.target]]")
+    return tables
+
+
+def _targets(tables: list[dict[str, Any]], values: Mapping[str, Any], folder: Path) -> tuple[AnyTarget, ...]:
+    targets = []
+    for number, table in enumerate(tables, start=1):
+        try:
+            targets.append(target(fill(table, values), folder))
+        except ValueError as error:
+            raise ValueError(f"target {number}: {error}") from error
+    return tuple(targets)
 
 
 def _eye(table: dict[str, Any], folder: Path) -> Eye:
@@ -171,10 +189,6 @@ def _camera(table: dict[str, Any], folder: Path) -> dict[str, Any]:
     if not isinstance(seed, int) or seed < 0:
         raise ValueError(f"camera: seed is {seed!r}; give a whole number, 0 or more")
     return {"seed": seed} | arguments(camera, {key: value for key, value in table.items() if key != "seed"}, folder)
-
-
-def _with_path(target: dict[str, Any], folder: Path) -> dict[str, Any]:
-    return target | {"file": str(folder / target["file"])} if isinstance(target.get("file"), str) else target
 
 
 def _table(document: dict[str, Any], key: str) -> dict[str, Any]:

@@ -1,58 +1,92 @@
-"""A recipe: what to fit to what, read from a TOML file, and its results, written into a folder."""
+"""A recipe: what to fit to what, read from a TOML file."""
 
-import csv
 import dataclasses
+import hashlib
 import json
-from collections.abc import Callable
-from importlib.metadata import version
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import jax
 import numpy as np
 
-from lgmd2jax import hard
 from lgmd2jax._arguments import check_keys
 from lgmd2jax._catalogue import locate
-from lgmd2jax._export import save
-from lgmd2jax._files import read_toml, replaced
+from lgmd2jax._files import read_toml
 from lgmd2jax._model import LGMD2
+from lgmd2jax._observation import Observation, observation_symbols
 from lgmd2jax._parameters import preset, symbols
-from lgmd2jax._protocol import Condition, load_protocol
-from lgmd2jax.fitting import Fit, Free, Observation, Target, fit, read_target
-from lgmd2jax.fitting._fit import TEMPERATURES, variance_explained
+from lgmd2jax._protocol import load_protocol
+from lgmd2jax._target import Target
+from lgmd2jax._thresholds import Hard, Soft
+from lgmd2jax.fitting import Fit, Free, Linear, Log, Tie, fit
+from lgmd2jax.fitting._conditions import rendered
+from lgmd2jax.fitting._validation import leave_one_out
 from lgmd2jax.stimuli import Stimulus
+
+_KEYS = ("protocol", "kind", "preset", "temperature", "parameters", "structure", "observation", "free", "solver")
+_KEYS += ("uncertainty", "validation", "truth")
+_STRUCTURE = ("n_p", "low_pass", "N_ts")
+# What `fit` takes as plain numbers; its key comes from the seed.
+_SOLVER = ("pixel_points", "cell_points", "descend", "temperatures", "max_steps", "loss", "seed")
 
 
 @dataclasses.dataclass(frozen=True)
 class Recipe:
-    """A fit to be made: the fixed model, what is free, and the conditions with their targets."""
+    """A fit to be made: the model, what is free, and the conditions with their targets.
+
+    - `profile`: parameters whose interval is also found by profile likelihood.
+    - `samples`: how many draws of the posterior to take; 0 for none.
+    - `leave_one_out`: whether to fit anew without each condition and to predict it.
+    - `truth`: the values that are known to be right, of a twin.
+    - `table`: the file's content.
+    """
 
     name: str
     model: LGMD2
     observation: Observation
     free: Free
-    temperatures: tuple[float, ...]
-    conditions: tuple[tuple[Stimulus, Target], ...]
-
-    def run(self) -> Fit:
-        """Make the fit."""
-        return fit(self.model, self.conditions, self.observation, self.free, self.temperatures)
-
-
-@dataclasses.dataclass(frozen=True)
-class Curves:
-    """One condition of a finished fit: the rates in spikes/s over the time in ms."""
-
-    name: str
-    time: np.ndarray
-    target: Target
-    soft: np.ndarray
-    hard: np.ndarray
+    pairs: tuple[tuple[Stimulus, Sequence[Target]], ...]
+    solver: Mapping[str, Any]
+    absolute_errors: bool | None
+    profile: tuple[str, ...]
+    samples: int
+    leave_one_out: bool
+    truth: Mapping[str, float]
+    table: Mapping[str, Any]
 
     @property
-    def r2(self) -> dict[str, float]:
-        """Variance explained by the soft and by the hard model."""
-        return {kind: variance_explained(getattr(self, kind), self.target) for kind in ("soft", "hard")}
+    def seed(self) -> int:
+        """Of the search's random points."""
+        return self.solver.get("seed", 0)
+
+    def run(self, progress: bool = False, memory=None, pairs=None) -> Fit:
+        """Make the fit, by default to all conditions."""
+        settings = {name: value for name, value in self.solver.items() if name != "seed"}
+        return fit(
+            self.model,
+            self.pairs if pairs is None else pairs,
+            self.free,
+            key=jax.random.key(self.seed),
+            observation=self.observation,
+            absolute_errors=self.absolute_errors,
+            progress=progress,
+            memory=memory,
+            **settings,
+        )
+
+    def predict_each(self, progress: bool = False) -> dict[str, float]:
+        """R2 of each condition by a fit to the others."""
+        return leave_one_out(lambda pairs: self.run(progress, pairs=pairs), self.pairs)
+
+    def digest(self) -> str:
+        """A digest of all that the fit sees: recipe, stimuli and targets."""
+        seen = hashlib.sha256(json.dumps(self.table, sort_keys=True).encode())
+        for stimulus, targets in self.pairs:
+            seen.update(np.asarray(stimulus.frames).tobytes() + np.asarray(stimulus.time).tobytes())
+            for target in targets:
+                seen.update(target.channel.encode() + np.asarray([target.values, target.scale]).tobytes())
+        return seen.hexdigest()
 
 
 def load_recipe(source: str | Path) -> Recipe:
@@ -69,90 +103,63 @@ def load_recipe(source: str | Path) -> Recipe:
 
 
 def _recipe(path: Path, table: dict[str, Any]) -> Recipe:
-    check_keys(table, ("protocol", "preset", "parameters", "observation", "free", "solver"))
+    check_keys(table, _KEYS)
     for key in ("protocol", "free"):
         if key not in table:
             raise ValueError(f"{key} is missing")
-    fixed = table.get("parameters", {})
-    check_keys(fixed, symbols())
-    check_keys(table["free"], symbols())
-    for limits in table["free"].values():
-        check_keys(limits, ("low", "high"))
-    check_keys(table.get("observation", {}), [field.name for field in dataclasses.fields(Observation)])
-    check_keys(table.get("solver", {}), ("temperatures",))
-    bounds = {
-        name: (limits.get("low", symbols()[name].bounds[0]), limits.get("high", symbols()[name].bounds[1]))
-        for name, limits in table["free"].items()
-    }
-    beside = path.parent / table["protocol"]
-    protocol = load_protocol(beside if beside.is_file() else table["protocol"])
+    if table.get("kind", "fit") != "fit":
+        raise ValueError(f"kind is {table['kind']!r}; a recipe of this command has kind 'fit'")
+    uncertainty, validation = _section(table, "uncertainty"), _section(table, "validation")
+    check_keys(uncertainty, ("absolute_errors", "profile", "samples"))
+    check_keys(validation, ("leave_one_out",))
+    free = Free(**{name: _choice(name, limits) for name, limits in _section(table, "free").items()})
+    profile, truth = tuple(uncertainty.get("profile", ())), _section(table, "truth")
+    for name in (*profile, *truth):
+        if name not in free.names:
+            raise ValueError(f"{name!r} is not free; choose {', '.join(free.names)}")
+    protocol = load_protocol(beside if (beside := path.parent / table["protocol"]).is_file() else table["protocol"])
     return Recipe(
         name=path.stem,
-        model=LGMD2(preset(table.get("preset", "lgmd2"), **fixed), eye=protocol.conditions[0].eye),
-        observation=Observation(**table.get("observation", {})),
-        free=Free(**bounds),
-        temperatures=tuple(table.get("solver", {}).get("temperatures", TEMPERATURES)),
-        conditions=tuple(_with_target(condition) for condition in protocol.conditions),
+        model=_model(table, protocol.conditions[0].eye),
+        observation=Observation(**_section(table, "observation", observation_symbols())),
+        free=free,
+        pairs=tuple(rendered(protocol.conditions)),
+        solver=_section(table, "solver", _SOLVER),
+        absolute_errors=uncertainty.get("absolute_errors"),
+        profile=profile,
+        samples=uncertainty.get("samples", 0),
+        leave_one_out=validation.get("leave_one_out", False),
+        truth=truth,
+        table=table,
     )
 
 
-def _with_target(condition: Condition) -> tuple[Stimulus, Target]:
-    if len(condition.targets) != 1:
-        raise ValueError(f"condition {condition.name!r} has {len(condition.targets)} targets; give it one")
-    stimulus, target = condition.render(), condition.targets[0]
-    for key in ("file", "column"):
-        if key not in target:
-            raise ValueError(f"condition {condition.name!r}: its target has no {key}")
-    return stimulus, read_target(target["file"], target["column"], np.asarray(stimulus.time), target.get("sem"))
+def _section(table: Mapping[str, Any], key: str, known: Sequence[str] | Mapping[str, Any] | None = None) -> dict:
+    section = table.get(key, {})
+    if not isinstance(section, dict):
+        raise ValueError(f"{key} is {section!r}; write it as a table [{key}]")
+    if known is not None:
+        check_keys(section, list(known))
+    return section
 
 
-def write_results(
-    recipe: Recipe, result: Fit, folder: Path, draw: Callable[[Path, list[Curves], str], None]
-) -> list[Curves]:
-    """Write model.json, curves.csv, fit.json and fit.png. The hard curves are those of model.json, read by `hard.py`.
-
-    **Returns:** the curves of each condition. **Raises:** `ValueError` where the folder cannot be written to.
-    """
-    folder.mkdir(parents=True, exist_ok=True)
-    with (
-        replaced(folder / "model.json") as model_file,
-        replaced(folder / "curves.csv") as curves_file,
-        replaced(folder / "fit.json") as fit_file,
-        replaced(folder / "fit.png") as figure_file,
-    ):
-        save(result.model, model_file)
-        robot = hard.load(model_file)
-        curves = [_curves(result, robot, *condition) for condition in recipe.conditions]
-        _write_curves(curves_file, curves)
-        summary = {
-            "free": {
-                name: {"value": float(getattr(result.model.parameters, name)), "low": low, "high": high}
-                for name, (low, high) in recipe.free.bounds.items()
-            },
-            "observation": {
-                field.name: getattr(result.observation, field.name) for field in dataclasses.fields(Observation)
-            },
-            "loss": result.loss,
-            "solver": {"result": result.result, "steps": result.steps, "temperatures": recipe.temperatures},
-            "r2": {curve.name: curve.r2 for curve in curves},
-            "versions": {name: version(name) for name in ("lgmd2jax", "jax", "optimistix")},
-        }
-        fit_file.write_text(json.dumps(summary, indent=2) + "\n", encoding="utf-8")
-        draw(figure_file, curves, recipe.name)
-    return curves
+def _model(table: Mapping[str, Any], eye) -> LGMD2:
+    parameters = preset(table.get("preset", "lgmd2"), **_section(table, "parameters", symbols()))
+    thresholds = Soft(table["temperature"]) if "temperature" in table else Hard()
+    return LGMD2(parameters, thresholds, eye=eye, **_section(table, "structure", _STRUCTURE))
 
 
-def _curves(result: Fit, robot: hard.HardLGMD2, stimulus: Stimulus, target: Target) -> Curves:
-    soft = result.soft(stimulus.frames, stimulus.fps).smp_adapted
-    potential = robot(np.asarray(stimulus.frames), float(stimulus.fps)).smp_adapted
-    rates = [np.asarray(result.observation(np.asarray(u), stimulus.time)) for u in (soft, potential)]
-    return Curves(stimulus.name, np.asarray(stimulus.time), target, *rates)
-
-
-def _write_curves(path: Path, curves: list[Curves]) -> None:
-    with open(path, "w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(["condition", "time_ms", "target", "soft", "hard"])
-        for curve in curves:
-            for row in zip(curve.time, curve.target.values, curve.soft, curve.hard, strict=True):
-                writer.writerow([curve.name, *(f"{value:.6g}" for value in row)])
+def _choice(name: str, limits: Any) -> Linear | Log | Tie | None:
+    """What a line of [free] says: bounds, scale and prior, or a tie."""
+    if not isinstance(limits, dict):
+        raise ValueError(f"{name} is free in {limits!r}; write a table, such as {{ low = 1, high = 6 }} or {{}}")
+    if "tie" in limits:
+        check_keys(limits, ("tie", "factor"))
+        return Tie(limits["tie"], limits.get("factor", 1.0))
+    check_keys(limits, ("low", "high", "scale", "prior"))
+    known = symbols() | observation_symbols()
+    scale = limits.get("scale", known[name].scale if name in known else "linear")
+    kinds = {"linear": Linear, "log": Log}
+    if scale not in kinds:
+        raise ValueError(f"{name} has scale {scale!r}; give 'linear' or 'log'")
+    return kinds[scale](limits.get("low"), limits.get("high"), tuple(limits["prior"]) if "prior" in limits else None)

@@ -103,32 +103,34 @@ def test_a_condition_may_see_with_another_eye(load):
     assert [condition.eye for condition in conditions] == [EYE, Eye(12, 16, 6.0, 200.0)]
 
 
-def test_targets_are_kept_as_they_stand_with_names_filled_and_paths_absolute(load, tmp_path):
+def test_targets_are_read_with_names_filled_beside_the_protocol(load, tmp_path):
+    (tmp_path / "targets").mkdir()
+    (tmp_path / "targets" / "psth.csv").write_text("t,rate_lv3.75_mean,rate_lv15_mean\n-400,1,2\n0,3,4\n")
     first, second = load("""
         [[condition]]
         name = "{l_over_v}"
         family = "looming"
         l_over_v = [3.75, 15]
+        contrast = -0.9
+        start_ms = -400
+        end_ms = 100
         [[condition.target]]
         channel = "rate"
         file = "targets/psth.csv"
         column = "rate_lv{l_over_v}_mean"
-        window = [-400, 0]
-        nested = { text = "{fps}", list = ["{contrast}"] }
+        interpolate = true
         [[condition.target]]
+        law = "rest"
         channel = "smp"
     """).conditions
-    assert first.targets == (
-        {
-            "channel": "rate",
-            "file": str(tmp_path / "targets/psth.csv"),
-            "column": "rate_lv3.75_mean",
-            "window": [-400, 0],
-            "nested": {"text": "50", "list": ["-0.9"]},
-        },
-        {"channel": "smp"},
-    )
-    assert second.targets[0]["column"] == "rate_lv15_mean"
+    for condition, values in ((first, [1, 3]), (second, [2, 4])):
+        stimulus = condition.render()
+        rate, rest = (target.on(stimulus) for target in condition.targets)
+        time = np.asarray(stimulus.time)
+        np.testing.assert_allclose(rate.values, np.interp(time, [-400, 0], values))
+        np.testing.assert_array_equal(rate.scale, time <= 0)
+        assert rest.channel == "smp"
+        np.testing.assert_array_equal(rest.values, 0.5)
 
 
 def test_images_are_found_beside_the_protocol(load, tmp_path):
@@ -224,6 +226,15 @@ MISTAKES = {
     "[[condition]]\nname='a {'\nfamily='looming'": r"'a \{' is not a format string",
     "[[condition]]\nname='a {}'\nfamily='looming'": r"a placeholder of 'a \{\}' is not filled",
     "[[condition]]\nname='a'\nfamily='looming'\n[[condition.target]]\ncolumn='{speed}'": r"placeholder of '\{speed\}'",
+    "[[condition]]\nname='a'\nfamily='looming'\n[[condition.target]]\nchannel='smp'": (
+        r"condition 1 \(a\): target 1: there is no source; give one of file, spikes, law, model"
+    ),
+    "[[condition]]\nname='a'\nfamily='looming'\n[[condition.target]]\nfile='n.csv'\nchannel='smp'\ncolumn='x'": (
+        r"condition 1 \(a\): target 1: file is 'n.csv', which cannot be read"
+    ),
+    "[[condition]]\nname='a'\nfamily='looming'\n[[condition.target]]\nlaw='rest'\nchanel='smp'": (
+        r"\(a\): target 1: unknown key 'chanel'; did you mean 'channel'"
+    ),
     "[[condition]]\nname='a'\nfamily='looming'\nl_over_v=[1, 2]": "2 conditions are named 'a'; .*placeholders",
     "[[condition]]\nname='a'\nfamily='looming'\n[[condition]]\nname='a'\nfamily='receding'": "2 conditions are named",
     "[[condition]]\nname='a'\nfamily='looming'\n[[condition]]\nname='b'\nfamily='lomi'": r"condition 2 \(b\): family",

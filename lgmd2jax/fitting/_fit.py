@@ -1,90 +1,194 @@
-"""Least squares from recorded curves to parameters, annealed from soft thresholds towards hard ones."""
+"""The fit: screening on two levels, descents from the best, the choice by the model's own loss, the uncertainty."""
 
 from collections.abc import Sequence
+from dataclasses import asdict
+from itertools import pairwise
+from typing import Any
 
-import equinox as eqx
-import jax.numpy as jnp
+import jax
 import numpy as np
-import optimistix as optx
-from jaxtyping import Array, Float
+from jaxtyping import Array
 
 from lgmd2jax._model import LGMD2
-from lgmd2jax._parameters import Parameters
-from lgmd2jax._thresholds import Hard, Soft, Thresholds
+from lgmd2jax._observation import Observation, observation_symbols
+from lgmd2jax._parameters import nearest
+from lgmd2jax._target import Target
+from lgmd2jax._thresholds import Hard
+from lgmd2jax.fitting import _descent
+from lgmd2jax.fitting._bounded import BoundedLevenbergMarquardt
+from lgmd2jax.fitting._conditions import Given, rendered
+from lgmd2jax.fitting._descent import Run, Solver
 from lgmd2jax.fitting._free import Free
-from lgmd2jax.fitting._observation import Observation
-from lgmd2jax.fitting._target import Target
+from lgmd2jax.fitting._outcome import outcome
+from lgmd2jax.fitting._problem import Problem, problem_of
+from lgmd2jax.fitting._result import Fit
+from lgmd2jax.fitting._robust import LOSSES, Loss
+from lgmd2jax.fitting._search import search_cell, sobol
+from lgmd2jax.fitting._work import Memory, Work
 from lgmd2jax.stimuli import Stimulus
 
-TEMPERATURES = (1.0, 0.3, 0.1)
-
-
-class Fit(eqx.Module):
-    """What a fit found.
-
-    - `model`: the fitted model with hard thresholds, to be handed over.
-    - `soft`: the same parameters at the last temperature.
-    - `observation`: from the potential to the rate.
-    - `loss`: half the weighted sum of squares of the hard model.
-    - `result`: why the solver stopped, at the last temperature.
-    - `steps`: steps of the solver at each temperature.
-    """
-
-    model: LGMD2
-    soft: LGMD2
-    observation: Observation
-    loss: float
-    result: str
-    steps: tuple[int, ...]
+TEMPERATURES = (0.5, 0.2, 0.05)
+# Of the residuals' norm: what is left to fall is then the square of it, far below what curves can tell.
+RTOL, ATOL = 3e-3, 1e-8
+_APART = 0.02  # in the unit box; starts closer to a better one are not descended
 
 
 def fit(
     model: LGMD2,
-    conditions: Sequence[tuple[Stimulus, Target]],
-    observation: Observation,
+    conditions: Sequence[Given],
     free: Free,
-    temperatures: Sequence[float] = TEMPERATURES,
+    *,
+    key: Array,
+    observation: Observation | None = None,
+    temperatures: Sequence[float | int] | None = None,
+    pixel_points: int = 128,
+    cell_points: int = 1024,
+    descend: int = 4,
+    loss: Loss = "squares",
+    solver: Solver | None = None,
+    max_steps: int = 100,
+    absolute_errors: bool | None = None,
+    throw: bool = False,
+    progress: bool = False,
+    memory: Memory | None = None,
 ) -> Fit:
-    """Fit the free parameters by Levenberg-Marquardt, each temperature from the one before.
+    """Fit a model's free parameters to target curves.
 
-    **Arguments:** `model` holds what is fixed; `conditions` pair a stimulus with its target. Use float64.
+    The model is fitted as it is: one with hard thresholds by descents on soft ones whose temperature falls, and the
+    best *hard* candidate is the result; one with soft thresholds at its own temperature.
 
-    **Raises:** `ValueError` for no conditions, or for more free parameters than frames with a weight.
+    **Arguments:**
+
+    - `model`: what stays fixed, and the values from which the search sets out.
+    - `conditions`: those of a protocol, or pairs of a stimulus with its target or targets.
+    - `free`: which parameters may change, within which bounds.
+    - `key`: of the search's random points. The same key gives the same fit.
+    - `observation`: how a `rate` arises from the potential.
+    - `temperatures`: of the descent, falling; by default .5, .2, .05, or that of a soft model.
+    - `pixel_points`: points of the parameters that the pixels need; `cell_points`: of those of the cell, for each.
+    - `descend`: how many of the best points are descended.
+    - `loss`: `"squares"`, or `"huber"`, `"soft_l1"`, `"cauchy"`, which outliers cannot pull far.
+    - `solver`: any optimistix least-squares solver or minimiser; by default the bounded Levenberg-Marquardt.
+    - `max_steps`: of the solver at the last temperature; at those before, 20 suffice.
+    - `absolute_errors`: whether the targets' errors are believed as they are; by default where all targets have them.
+      Otherwise they are weights, and the residual variance sets the scale of all uncertainty.
+    - `throw`: whether to raise `RuntimeError` where the result is not `"converged"`.
+    - `progress`: show a bar with the best loss so far.
+    - `memory`: a mapping that keeps finished work; given again, the fit goes on from there.
+
+    On Ctrl-C the best so far is returned; its `result` says so. Fits want float64: `jax_enable_x64`.
+
+    **Raises:** `ValueError` for conditions without targets, for a start outside of its bounds, for more free parameters
+    than independent samples, and for settings that make no sense.
     """
-    frames = sum(int(target.weight.sum()) for _, target in conditions)
-    if frames < len(free.bounds):
-        raise ValueError(f"{len(free.bounds)} parameters are free, but only {frames} frames have a target; add data")
+    pairs, observation = rendered(conditions), observation or Observation()
+    temperatures = _temperatures(model, temperatures)
+    counts = {"pixel_points": pixel_points, "cell_points": cell_points, "descend": descend, "max_steps": max_steps}
+    _check(pairs, free, loss, counts)
+    problem = problem_of(model, observation, free, pairs, loss)
+    start = free.place(model.parameters, observation)
+    seed = tuple(int(word) for word in np.ravel(jax.random.key_data(key)))
+    points = _points(problem, start, pixel_points, seed)
+    solver = solver or BoundedLevenbergMarquardt(RTOL, ATOL, lower=0.0, upper=1.0)
 
-    def residuals(raw, temperature):
-        soft = with_thresholds(model, free.insert(model.parameters, raw), Soft(temperature))
-        return [_difference(soft, observation, *condition) for condition in conditions]
+    with Work({} if memory is None else memory, progress) as work:
 
-    solver = optx.LevenbergMarquardt(rtol=1e-8, atol=1e-8)
-    raw, steps, result = jnp.zeros(len(free.bounds)), [], optx.RESULTS.successful
-    for temperature in temperatures:
-        solution = optx.least_squares(residuals, solver, raw, jnp.asarray(temperature), throw=False, max_steps=200)
-        raw, result = solution.value, solution.result
-        steps.append(int(solution.stats["num_steps"]))
-    parameters = free.insert(model.parameters, raw)
-    fitted = with_thresholds(model, parameters, Hard())
-    soft = with_thresholds(model, parameters, Soft(temperatures[-1]))
-    loss = 0.5 * sum(float(jnp.sum(_difference(fitted, observation, *condition) ** 2)) for condition in conditions)
-    status = "converged" if result == optx.RESULTS.successful else optx.RESULTS[result]
-    return Fit(fitted, soft, observation, loss, status, tuple(steps))
+        def cells(number: int) -> np.ndarray:
+            return sobol(len(problem.cell_indices), cell_points, (*seed, number))
+
+        def screen(number: int) -> dict[str, Any]:
+            found = search_cell(problem, points[number], cells(number))
+            work.saw(float(found.loss))
+            return {"z": np.asarray(found.z).tolist(), "loss": float(found.loss)}
+
+        def run(number: int) -> dict[str, Any]:
+            way_down = _descent.descend(
+                problem,
+                np.array(screened[number]["z"]),
+                cells(number),
+                temperatures=temperatures,
+                solver=solver,
+                max_steps=max_steps,
+                stop=work.stop,
+                told=work.saw,
+            )
+            return asdict(way_down)
+
+        screened = work.do("screening", screen, range(len(points)))
+        if not screened:
+            raise KeyboardInterrupt
+        chosen = _apart(screened, descend)
+        if not chosen:
+            raise RuntimeError("no point of the search gave a finite loss; check targets and bounds")
+        _descent.solve(problem, points[0], temperatures[0], solver, 1)  # compiled here, before the threads need it
+        runs = [Run(**it) for it in work.do("descending", run, chosen).values()]
+        stopped = work.stop.is_set()
+    runs = sorted(runs, key=lambda it: it.loss) or [_not_run(screened[chosen[0]])]
+    result = "stopped by hand" if stopped else runs[0].result
+    if throw and result != "converged":
+        raise RuntimeError(f"the fit did not converge: {result}; see fit(..., throw=False)")
+    return outcome(
+        problem,
+        pairs,
+        runs=tuple(runs),
+        screened=tuple(sorted(it["loss"] for it in screened.values())),
+        start=start,
+        temperatures=temperatures,
+        absolute_errors=absolute_errors,
+        result=result,
+        stats={"pixel_points": pixel_points, "cell_points": cell_points, "loss": loss, "seed": list(seed)},
+    )
 
 
-def with_thresholds(model: LGMD2, parameters: Parameters, thresholds: Thresholds) -> LGMD2:
-    """The same structure with other parameters and thresholds."""
-    return LGMD2(parameters, thresholds, model.n_p, model.low_pass, model.N_ts, model.eye)
+def _temperatures(model: LGMD2, temperatures) -> tuple[float, ...]:
+    if temperatures is None:
+        temperatures = TEMPERATURES if isinstance(model.thresholds, Hard) else [model.thresholds.temperature]
+    temperatures = tuple(float(it) for it in temperatures)
+    if not temperatures or not all(np.isfinite(it) and it > 0 for it in temperatures):
+        raise ValueError(f"temperatures is {temperatures}; give one or more positive numbers")
+    if any(after >= before for before, after in pairwise(temperatures)):
+        raise ValueError(f"temperatures is {temperatures}; let them fall")
+    return temperatures
 
 
-def _difference(model: LGMD2, observation: Observation, stimulus: Stimulus, target: Target) -> Array:
-    rate = observation(model(stimulus.frames, stimulus.fps).smp_adapted, stimulus.time)
-    return jnp.asarray(target.weight) * (rate - target.values)
+def _check(pairs: list[tuple[Stimulus, list[Target]]], free: Free, loss: str, counts: dict[str, int]) -> None:
+    if loss not in LOSSES:
+        raise ValueError(f"loss is {loss!r}; choose {nearest(loss, LOSSES)}")
+    for name, count in counts.items():
+        if not isinstance(count, int) or count < 1:
+            raise ValueError(f"{name} is {count!r}; give a whole number, 1 or more")
+    targets = [target for _, targets in pairs for target in targets]
+    unseen = [name for name in free.names if name in observation_symbols()]
+    if unseen and not any(target.channel == "rate" for target in targets):
+        raise ValueError(f"{unseen[0]} is free, but no target is a rate, which alone depends on it; fix it")
+    samples = sum(float((target.scale > 0).sum()) / target.thinning for target in targets)
+    if samples < len(free):
+        raise ValueError(
+            f"{len(free)} parameters are free, but the targets hold only {samples:.3g} independent samples; "
+            "fix some, or add data"
+        )
 
 
-def variance_explained(rate: Float[np.ndarray, " time"], target: Target) -> float:
-    """R2 over the frames with a weight."""
-    mean = np.average(target.values, weights=target.weight)
-    rest = np.average((target.values - rate) ** 2, weights=target.weight)
-    return float(1 - rest / np.average((target.values - mean) ** 2, weights=target.weight))
+def _points(problem: Problem, start: np.ndarray, count: int, seed: tuple[int, ...]) -> np.ndarray:
+    """The start, then points that differ from it in what the pixels need."""
+    points = np.repeat(start[None], count, axis=0)
+    pixels = list(problem.pixel_indices)
+    if pixels:
+        points[1:, pixels] = sobol(len(pixels), count, seed)[: count - 1]
+    return points
+
+
+def _apart(screened: dict[int, dict[str, Any]], count: int) -> list[int]:
+    """The best points that are not near a better one."""
+    chosen: list[int] = []
+    for number in sorted(screened, key=lambda i: screened[i]["loss"]):
+        z = np.array(screened[number]["z"])
+        if all(np.abs(z - screened[other]["z"]).max() > _APART for other in chosen):
+            chosen.append(number)
+        if len(chosen) == count:
+            break
+    return chosen
+
+
+def _not_run(point: dict[str, Any]) -> Run:
+    return Run(point["z"], point["z"], point["loss"], point["loss"], float("inf"), (), "stopped by hand")

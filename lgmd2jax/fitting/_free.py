@@ -1,42 +1,217 @@
-"""Which parameters a fit may change, and within which bounds."""
+"""Which parameters a fit may change, within which bounds, and how it measures there."""
 
+import dataclasses
+import math
 from collections.abc import Mapping
+from typing import Literal
 
 import equinox as eqx
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
-from lgmd2jax._parameters import Parameters, nearest, symbols
+from lgmd2jax._observation import Observation, observation_symbols
+from lgmd2jax._parameters import Parameters, Symbol, nearest, symbols
+
+
+@dataclasses.dataclass(frozen=True)
+class _Range:
+    """Bounds of one parameter; a bound that is None is the one declared with the parameter.
+
+    - `prior`: mean and standard deviation of what is known beforehand, in the parameter's unit; it acts as a penalty.
+    """
+
+    low: float | int | None = None
+    high: float | int | None = None
+    prior: tuple[float | int, float | int] | None = None
+
+
+class Linear(_Range):
+    """Bounds between which a fit measures differences: `Linear(1, 6)`, the same as the pair `(1, 6)`."""
+
+
+class Log(_Range):
+    """Bounds between which a fit measures factors: `Log(5, 50)`. Both bounds are positive."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Tie:
+    """A parameter that follows another one, free or fixed: `theta1=Tie("theta2")` is theta1 = factor theta2."""
+
+    to: str
+    factor: float | int = 1.0
+
+
+@dataclasses.dataclass(frozen=True)
+class Freedom:
+    """One free parameter, resolved: where it may lie, and how that maps to [0, 1]."""
+
+    name: str
+    symbol: Symbol
+    low: float
+    high: float
+    scale: Literal["linear", "log"]
+    prior: tuple[float, float] | None
+
+    def value(self, z):
+        """The value at z in [0, 1]."""
+        if self.scale == "log":
+            return self.low * (self.high / self.low) ** z
+        return self.low + (self.high - self.low) * z
+
+    def place(self, value):
+        """The z of a value."""
+        if self.scale == "log":
+            return jnp.log(value / self.low) / math.log(self.high / self.low)
+        return (value - self.low) / (self.high - self.low)
+
+    def slope(self, z: float) -> float:
+        """The derivative of the value by z."""
+        return self.value(z) * math.log(self.high / self.low) if self.scale == "log" else self.high - self.low
 
 
 class Free:
-    """The free parameters with their bounds; None takes the bounds that are declared with the parameter.
+    """The free parameters of a fit, by the paper's symbols and the fields of `Observation`.
 
     ```python
-    Free(theta2=(1, 6), T_sp=None)
+    Free(theta2=(1, 6), tau1=Log(5, 50), T_sp=None, theta1=Tie("theta2"), k=Log(prior=(1.0, 0.3)))
     ```
 
-    **Raises:** `ValueError` for unknown parameters, for none at all, and for bounds that are empty or leave the domain.
+    A pair gives bounds, None takes those declared with the parameter (`symbols()`), and whether differences or factors
+    count is declared there too; `Linear` and `Log` say it, and may carry a prior. What is not named stays fixed.
+
+    **Raises:** `ValueError` for unknown parameters, for none that is free, for bounds that are empty or leave the
+    domain, for priors without width, and for ties to what is tied itself.
     """
 
-    def __init__(self, **bounds: tuple[float | int, float | int] | None):
-        if not bounds:
+    def __init__(self, **choices: "tuple[float | int, float | int] | _Range | Tie | None"):
+        for name in choices:
+            _check_name(name, "free parameter")
+        self.ties: Mapping[str, Tie] = {name: it for name, it in choices.items() if isinstance(it, Tie)}
+        for name, tie in self.ties.items():
+            _check_name(tie.to, f"{name} is tied to a parameter that")
+            if tie.to in self.ties or tie.to == name:
+                raise ValueError(f"{name} is tied to {tie.to}, which is tied itself; tie both to one that is not")
+        self.freedoms: tuple[Freedom, ...] = tuple(
+            _freedom(name, it) for name, it in choices.items() if not isinstance(it, Tie)
+        )
+        if not self.freedoms:
             raise ValueError("free is empty; name at least one parameter")
-        self.bounds: Mapping[str, tuple[float, float]] = {}
-        for name, pair in bounds.items():
-            if name not in symbols():
-                raise ValueError(f"free parameter is {name!r}; choose {nearest(name, symbols())}")
-            low, high = symbols()[name].bounds if pair is None else map(float, pair)
-            if not low < high:
-                raise ValueError(f"{name} is free in ({low:g}, {high:g}); the first bound must be below the second")
-            for bound in (low, high):
-                if not symbols()[name].contains(bound):
-                    raise ValueError(f"{name} has the bound {bound:g}; it must lie in {symbols()[name].domain}")
-            self.bounds[name] = low, high
 
-    def insert(self, parameters: Parameters, raw: Float[Array, " free"]) -> Parameters:
-        """The parameters with free ones at low + (high - low) sigma(raw), so that any `raw` lies within the bounds."""
-        values = [
-            low + (high - low) / (1 + jnp.exp(-x)) for x, (low, high) in zip(raw, self.bounds.values(), strict=True)
-        ]
-        return eqx.tree_at(lambda p: [getattr(p, name) for name in self.bounds], parameters, values)
+    def __len__(self):
+        return len(self.freedoms)
+
+    def __eq__(self, other):
+        return isinstance(other, Free) and (self.freedoms, self.ties) == (other.freedoms, other.ties)
+
+    def __hash__(self):
+        return hash((self.freedoms, tuple(self.ties.items())))
+
+    def __repr__(self):
+        rows = [f"  {it.name:10} {it.low:g} .. {it.high:g} {it.symbol.unit} ({it.scale})" for it in self.freedoms]
+        rows += [f"  {name:10} = {tie.factor:g} {tie.to}" for name, tie in self.ties.items()]
+        return "Free(\n" + "\n".join(rows) + "\n)"
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The free parameters, in the order in which they were named."""
+        return tuple(it.name for it in self.freedoms)
+
+    def indices(self, *names: str) -> tuple[int, ...]:
+        """Where those of `names` that are free stand."""
+        return tuple(i for i, it in enumerate(self.freedoms) if it.name in names)
+
+    def values(self, z: Float[Array | np.ndarray, " free"]) -> dict[str, Array]:
+        """The free parameters and the tied ones at a point of the unit box."""
+        values = {it.name: jnp.asarray(it.value(z[i])) for i, it in enumerate(self.freedoms)}
+        return values | {name: tie.factor * values[tie.to] for name, tie in self.ties.items() if tie.to in values}
+
+    def unpacked(self, z: Float[np.ndarray, " free"]) -> Float[np.ndarray, " free"]:
+        """The values of the free parameters, as an array."""
+        return np.array([float(it.value(place)) for it, place in zip(self.freedoms, z, strict=True)])
+
+    def slopes(self, z: Float[np.ndarray, " free"]) -> Float[np.ndarray, " free"]:
+        """The derivative by z of each free parameter."""
+        return np.array([it.slope(float(z[i])) for i, it in enumerate(self.freedoms)])
+
+    def insert(
+        self, parameters: Parameters, observation: Observation, z: Float[Array | np.ndarray, " free"]
+    ) -> tuple[Parameters, Observation]:
+        """Both with their free parameters at z, a point of the unit box, and tied ones following."""
+        values = self.values(z)
+        for name, tie in self.ties.items():
+            if name not in values:
+                owner = parameters if tie.to in symbols() else observation
+                values[name] = tie.factor * jnp.asarray(getattr(owner, tie.to))
+        return _replaced(parameters, values, symbols()), _replaced(observation, values, observation_symbols())
+
+    def place(self, parameters: Parameters, observation: Observation) -> Float[np.ndarray, " free"]:
+        """The point of the unit box at which the free parameters have the values that they have here.
+
+        **Raises:** `ValueError` for a value outside of its bounds.
+        """
+        point = []
+        for it in self.freedoms:
+            value = float(getattr(parameters if it.name in symbols() else observation, it.name))
+            if not it.low <= value <= it.high:
+                raise ValueError(
+                    f"{it.name} starts at {value:g}, outside of its bounds {it.low:g} to {it.high:g}; "
+                    "widen them, or start within"
+                )
+            point.append(float(it.place(value)))
+        return np.array(point)
+
+    def penalties(self, z: Float[Array | np.ndarray, " free"]) -> Float[Array, " priors"]:
+        """The residual of each prior: (value - mean) / standard deviation."""
+        rows = [(it.value(z[i]) - it.prior[0]) / it.prior[1] for i, it in enumerate(self.freedoms) if it.prior]
+        return jnp.stack(rows) if rows else jnp.zeros(0)
+
+
+def _replaced(owner, values: Mapping[str, Array], known):
+    names = [name for name in values if name in known]
+    if not names:
+        return owner
+    # In the dtype that the leaf has: another one would compile anew.
+    leaves = [values[name].astype(jnp.asarray(getattr(owner, name)).dtype) for name in names]
+    return eqx.tree_at(lambda tree: [getattr(tree, name) for name in names], owner, leaves)
+
+
+def _check_name(name: str, role: str) -> None:
+    known = [*symbols(), *observation_symbols()]
+    if name not in known:
+        raise ValueError(f"{role} is {name!r}; choose {nearest(name, known)}")
+
+
+def _freedom(name: str, choice) -> Freedom:
+    symbol = (symbols() | observation_symbols())[name]
+    if choice is None:
+        choice = _Range()
+    elif not isinstance(choice, _Range):
+        try:
+            low, high = (float(bound) for bound in choice)
+        except (TypeError, ValueError):
+            raise ValueError(f"{name} is free in {choice!r}; give (low, high), None, Linear, Log or Tie") from None
+        choice = Linear(low, high)
+    scale = {Linear: "linear", Log: "log"}.get(type(choice), symbol.scale)
+    low = float(symbol.bounds[0] if choice.low is None else choice.low)
+    high = float(symbol.bounds[1] if choice.high is None else choice.high)
+    if not low < high:
+        raise ValueError(f"{name} is free in ({low:g}, {high:g}); the first bound must be below the second")
+    for bound in (low, high):
+        if not (math.isfinite(bound) and symbol.contains(bound)):
+            raise ValueError(f"{name} has the bound {bound:g}; it must lie in {symbol.domain}")
+    if scale == "log" and low <= 0:
+        raise ValueError(f"{name} has the bound {low:g}; between bounds that count factors it must be positive")
+    return Freedom(name, symbol, low, high, scale, _prior(name, choice.prior))
+
+
+def _prior(name: str, prior) -> tuple[float, float] | None:
+    if prior is None:
+        return None
+    try:
+        mean, deviation = (float(number) for number in prior)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} has the prior {prior!r}; give a pair (mean, standard deviation)") from None
+    if not (math.isfinite(mean) and math.isfinite(deviation) and deviation > 0):
+        raise ValueError(f"{name} has the prior ({mean:g}, {deviation:g}); its standard deviation must be positive")
+    return mean, deviation

@@ -1,0 +1,143 @@
+"""Does a fit find what is there? Targets from random parameter sets, and the sets that the fit gives back.
+
+python -m benchmarks.twins --count 100           soft targets at temperature 1: the parameters must come back
+python -m benchmarks.twins --hard --count 20     hard targets: the handed-over hard model must give the same curves
+python -m benchmarks.twins --noisy --count 200   noise: 95 % intervals must cover the truth
+"""
+
+import argparse
+import dataclasses
+import time
+
+import jax
+import numpy as np
+from tqdm import tqdm
+
+import lgmd2jax as lgmd
+
+FREE = lgmd.Free(
+    theta1=None, theta2=None, theta3=None, tau1=None, tau2=None, tau3=None, w_bias=None, T_sp=None
+)  # fmt: skip
+MIDDLE = 0.7  # of each parameter's bounds, from which truths are drawn
+SPIKE_ERROR = 10.0  # spikes are counted, not measured: a difference of one weighs as .1 in the potential
+
+
+@dataclasses.dataclass(frozen=True)
+class Twin:
+    """One parameter set and what the fit made of its curves.
+
+    - `off`: largest difference of a parameter, as a share of its bounds' range.
+    - `rmse`: of the handed-over model in `smp_adapted`. `miscounted`: share of frames with another spike count.
+    """
+
+    seed: int
+    truth: dict[str, float]
+    fit: lgmd.Fit
+    off: float
+    rmse: float
+    miscounted: float
+    seconds: float
+
+
+def stimuli(eye: lgmd.Eye) -> list[lgmd.Stimulus]:
+    """Five conditions of four families, 60 frames at 30 fps each."""
+    approach = {"l_over_v": 60.0, "start_angle": 4.0, "start_ms": -1600.0, "end_ms": 366.0}
+    later = {"start_ms": -300.0, "end_ms": 1666.0}
+    show = lgmd.stimuli
+    return [
+        show.looming(eye, contrast=-0.9, background=200.0, **approach),
+        show.looming(eye, contrast=4.0, background=40.0, **approach),
+        show.receding(
+            eye, l_over_v=60.0, contrast=-0.9, background=200.0, stop_angle=4.0, start_ms=-500.0, end_ms=1466.0
+        ),
+        show.translating(eye, speed=60.0, size=10.0, start=-50.0, stop=50.0, contrast=-0.9, background=200.0, **later),
+        show.grating(
+            eye,
+            spatial_frequency=0.05,
+            temporal_frequency=2.0,
+            contrast=1.0,
+            background=110.0,
+            duration_ms=1000.0,
+            **later,
+        ),
+    ]
+
+
+def eye_of(degrees_per_pixel: float) -> lgmd.Eye:
+    """The field of 96 x 128 degrees at 30 fps."""
+    return lgmd.Eye(round(96 / degrees_per_pixel), round(128 / degrees_per_pixel), degrees_per_pixel, 30.0)
+
+
+def truth_of(seed: int) -> lgmd.Parameters:
+    """A random set from the middle of the declared bounds."""
+    rng = np.random.default_rng(seed)
+    return lgmd.Parameters(
+        **{
+            name: low + (high - low) * rng.uniform(0.5 - MIDDLE / 2, 0.5 + MIDDLE / 2)
+            for name, (low, high) in ((name, lgmd.symbols()[name].bounds) for name in FREE.names)
+        }
+    )
+
+
+def curves(model: lgmd.LGMD2, shown: list[lgmd.Stimulus]) -> list[lgmd.Response]:
+    """The responses to all stimuli."""
+    return [model(stimulus.frames, stimulus.fps) for stimulus in shown]
+
+
+def twin(seed: int, thresholds: lgmd.Thresholds, shown: list[lgmd.Stimulus], noise: float = 0.0, **settings) -> Twin:
+    """Fit the curves of a random parameter set, with noise of this standard deviation on the potential."""
+    began = time.monotonic()
+    truth = truth_of(seed)
+    answered = curves(lgmd.LGMD2(truth, thresholds), shown)
+    rng = np.random.default_rng(1000 + seed)
+    conditions = [
+        (
+            stimulus,
+            [
+                lgmd.Target("smp_adapted", response.smp_adapted + noise * rng.standard_normal(len(stimulus.time))),
+                lgmd.Target("spikes", np.asarray(response.spikes), error=SPIKE_ERROR),
+            ],
+        )
+        for stimulus, response in zip(shown, answered, strict=True)
+    ]
+    fit = lgmd.fit(lgmd.LGMD2(thresholds=thresholds), conditions, FREE, key=jax.random.key(seed), **settings)
+    found = curves(fit.model, shown)
+    potential = [(a.smp_adapted - b.smp_adapted) for a, b in zip(found, answered, strict=True)]
+    miscounted = [(a.spikes != b.spikes) for a, b in zip(found, answered, strict=True)]
+    values = {name: float(getattr(truth, name)) for name in FREE.names}
+    return Twin(
+        seed=seed,
+        truth=values,
+        fit=fit,
+        off=max(abs(fit.values[it.name] - values[it.name]) / (it.high - it.low) for it in FREE.freedoms),
+        rmse=float(np.sqrt(np.mean(np.square(potential)))),
+        miscounted=float(np.mean(miscounted)),
+        seconds=time.monotonic() - began,
+    )
+
+
+def main() -> None:
+    """Run a study and print a line for each twin."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--hard", action="store_true", help="hard targets")
+    parser.add_argument("--count", type=int, default=20, help="parameter sets (default: %(default)s)")
+    parser.add_argument("--first", type=int, default=0, help="seed of the first one (default: %(default)s)")
+    parser.add_argument("--degrees-per-pixel", type=float, default=4.0, help="raster (default: %(default)s)")
+    options = parser.parse_args()
+    jax.config.update("jax_enable_x64", True)
+    shown = stimuli(eye_of(options.degrees_per_pixel))
+    thresholds = lgmd.Hard() if options.hard else lgmd.Soft(1.0)
+    good = 0
+    for seed in tqdm(range(options.first, options.first + options.count), unit="twin"):
+        it = twin(seed, thresholds, shown)
+        holds = (it.rmse <= 0.01 and it.miscounted <= 0.02) if options.hard else it.off <= 0.01
+        good += holds
+        tqdm.write(
+            f"{seed:4}  {'holds' if holds else 'FAILS'}  largest difference {it.off:8.2%} of the range   "
+            f"RMSE {it.rmse:.5f}   other spike counts {it.miscounted:6.2%}   {it.seconds:5.1f} s"
+        )
+    print(f"{good} of {options.count} hold")
+
+
+if __name__ == "__main__":
+    main()

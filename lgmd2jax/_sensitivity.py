@@ -1,0 +1,119 @@
+"""The exact derivative of the pixel stage with respect to its parameters, in one pass forward over the frames.
+
+What a pixel remembers depends on that pixel alone, and of every frame only two sums over the field are kept, MP and F.
+So a parameter needs one map of sensitivities for each array of the state that depends on it, carried along with the
+state: forward mode over time. MP is one number, so that its slopes in all signals of a frame come from one backward
+pass over that frame: reverse mode within a frame. A parameter without memory needs no map at all.
+
+Nothing here repeats an equation of the network. JAX differentiates the parts of `LGMD2._pixel_step`, and which part
+and which state depend on which parameter is read from what it finds: `equinox.filter_jvp` returns None for no change.
+"""
+
+import functools
+import operator
+from collections.abc import Callable, Iterable
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array
+
+from lgmd2jax._medulla import lateral
+from lgmd2jax._parameters import symbols
+from lgmd2jax._pool import pool
+
+
+def with_sensitivities(potentials: Callable) -> Callable:
+    """`potentials(model, frames, interval)`, which returns MP(t) and F(t), with this derivative attached.
+
+    `jax.grad`, `jax.jacfwd`, `jax.linearize` and all that builds on them use it without knowing: the tangents of the
+    parameters are multiplied by the Jacobian, so that it is computed once however many tangents there are. Where
+    something else is perturbed (frames, interval, temperature, widths), JAX differentiates the scan as it stands.
+    """
+    attached = eqx.filter_custom_jvp(potentials)
+
+    @attached.def_jvp
+    def rule(primals, tangents):
+        model_tangent, *input_tangents = tangents
+        other_tangents = eqx.tree_at(lambda model: model.parameters, model_tangent, None), input_tangents
+        if jax.tree.leaves(other_tangents):
+            return eqx.filter_jvp(potentials, primals, tangents)
+        all_tangents = {name: getattr(model_tangent.parameters, name) for name in symbols()}
+        perturbed = {name: tangent for name, tangent in all_tangents.items() if tangent is not None}
+        outputs, jacobian = _sensitivities(*primals, tuple(perturbed))
+
+        def change(output, rows):
+            return _total(row * perturbed[name].astype(output.dtype) for name, row in rows.items() if row is not None)
+
+        return outputs, tuple(map(change, outputs, jacobian))
+
+    return attached
+
+
+def _sensitivities(model, frames, interval, names: tuple[str, ...]):
+    """MP(t) and F(t), and for each a dictionary of its derivatives by the named parameters, None for no influence."""
+    in_pixels = jax.tree.map(lambda leaf: leaf.astype(frames.dtype), model.parameters)
+    model = eqx.tree_at(lambda model: model.parameters, model, in_pixels)
+    start = model._rest(frames[0])
+
+    def step(carry, frame):
+        state, maps = carry
+
+        def remember(model, state):
+            state, _, f = model._remember(state, frame, interval)
+            return state, f
+
+        new, f = remember(model, state)
+        signals = new.on, new.off, lateral(new.d_on), lateral(new.d_off)
+        s, to_signals = jax.vjp(lambda signals: model._sum_flows(*signals)[0], signals)
+        mp, of_s = jax.linearize(lambda s: model._gate_and_pool(s)[0], s)
+        ((on, off, spread_on, spread_off),) = to_signals(*jax.linear_transpose(of_s, s)(jnp.ones_like(mp)))
+        # The lateral spread is its own adjoint, so two spreads a frame serve the maps of all parameters.
+        slopes = {"on": on, "off": off, "d_on": lateral(spread_on), "d_off": lateral(spread_off)}
+
+        def change(name):
+            unit = _unit(model, name)
+            _, (new_maps, df) = eqx.filter_jvp(remember, (model, state), (unit, maps[name]))
+            _, ds = eqx.filter_jvp(lambda model: model._sum_flows(*signals)[0], (model,), (unit,))
+            _, dmp = eqx.filter_jvp(lambda model: model._gate_and_pool(s)[0], (model,), (unit,))
+            moved = {field: getattr(new_maps, field) for field in slopes}
+            carried = _total(slopes[field] * tangent for field, tangent in moved.items() if tangent is not None)
+            parts = dmp, None if ds is None else of_s(ds), None if carried is None else pool(carried)
+            return new_maps, _total(parts), df
+
+        changes = {name: change(name) for name in names}
+        new_maps, mp_row, f_row = ({name: change[i] for name, change in changes.items()} for i in range(3))
+        return (new, new_maps), ((mp, f), (mp_row, f_row))
+
+    maps = {name: _maps_at_rest(model, name, start, frames[0], interval) for name in names}
+    return jax.lax.scan(step, (start, maps), frames)[1]
+
+
+def _unit(model, name: str):
+    """A tangent of the model: 1 for this parameter, None for all else."""
+    nothing = jax.tree.map(lambda _: None, model)
+    one = np.ones((), getattr(model.parameters, name).dtype)
+    return eqx.tree_at(lambda it: getattr(it.parameters, name), nothing, one, is_leaf=lambda leaf: leaf is None)
+
+
+def _maps_at_rest(model, name: str, state, frame, interval):
+    """Sensitivities of a state at rest: 0 for the arrays that this parameter will reach, None for the others."""
+
+    def advance(maps):
+        def remember(model, state):
+            return model._remember(state, frame, interval)[0]
+
+        return eqx.filter_jvp(remember, (model, state), (_unit(model, name), maps))[1]
+
+    maps, reached = None, jax.tree.map(lambda _: None, state)
+    while jax.tree.structure(maps) != jax.tree.structure(reached):
+        maps = jax.tree.map(lambda leaf: jnp.zeros(leaf.shape, leaf.dtype), reached)
+        reached = eqx.filter_eval_shape(advance, maps)
+    return maps
+
+
+def _total(parts: Iterable[Array | None]) -> Array | None:
+    """The sum of what there is; None where there is nothing."""
+    present = [part for part in parts if part is not None]
+    return functools.reduce(operator.add, present) if present else None

@@ -1,0 +1,111 @@
+"""Draws from the posterior of the free parameters, by the no-U-turn sampler of blackjax (the extra `bayes`)."""
+
+import dataclasses
+from collections.abc import Callable
+from typing import Any
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int, Key
+
+# A start is moved so far into the unit box, and moved about by so much on the unbounded scale.
+_EDGE, _SCATTER = 1e-2, 0.1
+
+
+@dataclasses.dataclass(frozen=True)
+class Posterior:
+    """Draws, and what tells whether they can be trusted.
+
+    - `z`: the draws, in the unit box.
+    - `energy`, `diverging`, `acceptance_rate`, `tree_depth`: of each draw, as in ArviZ' `sample_stats`.
+    - `r_hat`, `effective`: of each parameter; 1 where the chains agree, above 1.01 they have not met; and how many
+      independent draws there are.
+    """
+
+    z: Float[np.ndarray, "chain draw free"]
+    energy: Float[np.ndarray, "chain draw"]
+    diverging: Bool[np.ndarray, "chain draw"]
+    acceptance_rate: Float[np.ndarray, "chain draw"]
+    tree_depth: Int[np.ndarray, "chain draw"]
+    r_hat: Float[np.ndarray, " free"]
+    effective: Float[np.ndarray, " free"]
+
+
+def posterior(
+    residuals: Callable[[Float[Array, " free"]], Float[Array, " n"]],
+    z: Float[np.ndarray, " free"],
+    *,
+    key: Key[Array, ""],
+    variance: float = 1.0,
+    chains: int = 4,
+    draws: int = 1000,
+    warmup: int = 1000,
+) -> Posterior:
+    """Sample exp(-chi2 / (2 variance)) over the unit box.
+
+    Between its bounds every value is as likely beforehand as every other (on a logarithmic scale: every factor); what
+    else is known enters as penalties among the residuals. Step size and mass matrix are adapted during the warm-up.
+    Gradients are taken in forward mode, in which the model is fast.
+
+    **Arguments:** `residuals` by a point of the unit box, correlated ones already counted as fractions, as for
+    `profile`; `z` the point near which the chains start; `variance` of a residual.
+
+    **Raises:** `ValueError` without blackjax, and for fewer than two chains or four draws.
+    """
+    if chains < 2 or draws < 4:
+        raise ValueError(f"{chains} chains of {draws} draws tell nothing; take at least 2 chains and 4 draws")
+    try:
+        import blackjax
+    except ImportError:
+        raise ValueError("posterior samples need blackjax: pip install 'lgmd2jax[bayes]'") from None
+
+    place = jnp.clip(jnp.asarray(z), _EDGE, 1 - _EDGE)
+    scatter, sampling = jax.random.split(key)
+    starts = jnp.log(place / (1 - place))[None, :] + _SCATTER * jax.random.normal(scatter, (chains, len(z)))
+    out = _sample(residuals, starts, jax.random.split(sampling, chains), jnp.asarray(variance), draws, warmup)
+    x, energy, diverging, rate, depth = (np.asarray(it) for it in out)
+    x = np.asarray(jax.nn.sigmoid(x))
+    return Posterior(
+        z=x,
+        energy=energy,
+        diverging=diverging,
+        acceptance_rate=rate,
+        tree_depth=depth,
+        r_hat=np.asarray(blackjax.diagnostics.potential_scale_reduction(x)),
+        effective=np.asarray(blackjax.diagnostics.effective_sample_size(x)),
+    )
+
+
+@eqx.filter_jit
+def _sample(residuals, starts, keys, variance, draws: int, warmup: int):
+    """The chains one after another: side by side all would take the steps of the longest trajectory."""
+    import blackjax
+
+    def log_density(x):
+        def exactly(x):
+            # d z / d x = z (1 - z) keeps the density that of z.
+            density = -0.5 * jnp.sum(jnp.square(residuals(jax.nn.sigmoid(x)))) / variance
+            density += jnp.sum(jax.nn.log_sigmoid(x) + jax.nn.log_sigmoid(-x))
+            return density, density
+
+        at = jax.lax.stop_gradient(x)
+        slope, value = jax.jacfwd(exactly, has_aux=True)(at)
+        return value + slope @ (x - at)  # the value and the gradient there, computed forward
+
+    def chain(start_and_key):
+        start, key = start_and_key
+        adapting, sampling = jax.random.split(key)
+        adaptation: Any = blackjax.window_adaptation(blackjax.nuts, log_density)
+        (state, tuned), _ = adaptation.run(adapting, start, warmup)
+        sampler: Any = blackjax.nuts(log_density, **tuned)
+
+        def draw(state, key):
+            state, info = sampler.step(key, state)
+            depth = info.num_trajectory_expansions
+            return state, (state.position, info.energy, info.is_divergent, info.acceptance_rate, depth)
+
+        return jax.lax.scan(draw, state, jax.random.split(sampling, draws))[1]
+
+    return jax.lax.map(chain, (starts, keys))

@@ -1,0 +1,216 @@
+"""What a fit minimises: the differences between curves and targets, as a function of a point in the unit box."""
+
+from collections import Counter
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float
+
+from lgmd2jax._model import LGMD2, channels, potentials
+from lgmd2jax._observation import Observation
+from lgmd2jax._parameters import Parameters
+from lgmd2jax._target import Target
+from lgmd2jax._thresholds import Hard, Soft, Thresholds
+from lgmd2jax.fitting._free import Free
+from lgmd2jax.fitting._robust import Loss, robust
+from lgmd2jax.stimuli import Stimulus
+
+# What the pixels need; every other parameter acts on MP(t) and F(t), which then need not be computed again.
+PIXEL_PARAMETERS = ("theta1", "theta2", "theta3", "tau1", "w_bias", "sigma1", "T_s", "u")
+# Far beyond any kernel: no smoothing reaches from a frame that a clip has into one that only fills up its batch.
+_FAR_MS = 1e6
+
+Potentials = tuple[tuple[Float[Array, "condition time"], Float[Array, "condition time"]], ...]
+
+
+class Slot(eqx.Module):
+    """One target of each condition of a batch; `scale` is 0 where there is none.
+
+    `thinning` is how many frames make one independent sample.
+    """
+
+    channel: str = eqx.field(static=True)
+    values: Float[Array, "condition time"]
+    scale: Float[Array, "condition time"]
+    thinning: Float[Array, " condition"]
+
+
+class Place(NamedTuple):
+    """Where the target of a condition stands."""
+
+    batch: int
+    slot: int
+    row: int
+
+
+class Batch(eqx.Module):
+    """Conditions of one raster, held at their last frame up to a common length."""
+
+    frames: Float[Array, "condition time row col"]
+    interval: Float[Array, " condition"]
+    time: Float[Array, "condition time"]
+    slots: tuple[Slot, ...]
+
+
+class Problem(eqx.Module):
+    """A fit's data and what is free. Two problems of the same shapes share what is compiled.
+
+    Points `z` lie in the unit box, an entry a free parameter. A temperature of None stands for the model's own
+    thresholds; a number softens them.
+    """
+
+    model: LGMD2
+    observation: Observation
+    batches: tuple[Batch, ...]
+    places: tuple[tuple[Place, ...], ...] = eqx.field(static=True)
+    free: Free = eqx.field(static=True)
+    loss: Loss = eqx.field(static=True, default="squares")
+
+    @property
+    def pixel_indices(self) -> tuple[int, ...]:
+        """The free parameters that the pixels need."""
+        return self.free.indices(*PIXEL_PARAMETERS)
+
+    @property
+    def cell_indices(self) -> tuple[int, ...]:
+        """The free parameters of the cell and of the observation."""
+        return tuple(i for i in range(len(self.free)) if i not in self.pixel_indices)
+
+    def at(
+        self, z: Float[Array | np.ndarray, " free"], temperature: Float[Array, ""] | None = None
+    ) -> tuple[LGMD2, Observation]:
+        """The model and the observation at a point."""
+        parameters, observation = self.free.insert(self.model.parameters, self.observation, z)
+        thresholds = self.model.thresholds if temperature is None else softened(self.model.thresholds, temperature)
+        return replaced(self.model, parameters, thresholds), observation
+
+    def potentials(self, model: LGMD2) -> Potentials:
+        """MP and F of every condition: all that the cell sees."""
+
+        def one(batch: Batch):
+            return jax.lax.map(lambda it: potentials(model, *it)[:2], (batch.frames, batch.interval))
+
+        return tuple(one(batch) for batch in self.batches)
+
+    def curves(
+        self, model: LGMD2, observation: Observation, seen: Potentials
+    ) -> list[list[Float[Array, "condition time"]]]:
+        """The predicted curve of every slot of every batch."""
+        curves = []
+        for batch, (mp, f) in zip(self.batches, seen, strict=True):
+            pixels = batch.frames[0, 0].size
+
+            def one(mp, f, interval, time, batch=batch, pixels=pixels):
+                out = channels(model, mp, f, interval, pixels)
+                names = {slot.channel for slot in batch.slots}
+                out["rate"] = observation(out["smp_adapted"], time) if "rate" in names else None
+                return [out[slot.channel] for slot in batch.slots]
+
+            curves.append(jax.vmap(one)(mp, f, batch.interval, batch.time))
+        return curves
+
+    def differences(self, curves: list[list[Float[Array, "condition time"]]]) -> Float[Array, " n"]:
+        """(curve - target) in standard errors, robust if so wished; 0 where there is no target."""
+        rows = [
+            (slot.scale * (curve - slot.values)).ravel()
+            for batch, predicted in zip(self.batches, curves, strict=True)
+            for slot, curve in zip(batch.slots, predicted, strict=True)
+        ]
+        return robust(jnp.concatenate(rows), self.loss)
+
+    def residuals(
+        self, z: Float[Array | np.ndarray, " free"], temperature: Float[Array, ""] | None
+    ) -> Float[Array, " n_and_priors"]:
+        """All differences, then the penalties of the priors."""
+        model, observation = self.at(z, temperature)
+        curves = self.curves(model, observation, self.potentials(model))
+        return jnp.concatenate([self.differences(curves), self.free.penalties(z)])
+
+    def known(self) -> Bool[np.ndarray, " n"]:
+        """Which of the differences have a target."""
+        return np.concatenate([np.ravel(slot.scale) > 0 for batch in self.batches for slot in batch.slots])
+
+    def thinning(self) -> Float[np.ndarray, " n"]:
+        """How many of its neighbours' differences tell the same as each one does."""
+        rows = [
+            np.repeat(np.asarray(slot.thinning), slot.scale.shape[1]) for batch in self.batches for slot in batch.slots
+        ]
+        return np.concatenate(rows)
+
+
+def softened(thresholds: Thresholds, temperature: Float[Array, ""]) -> Thresholds:
+    """The soft thresholds that approximate these, or these at another temperature."""
+    if isinstance(thresholds, Hard):
+        return Soft(temperature)
+    return eqx.tree_at(lambda it: it.temperature, thresholds, temperature)
+
+
+def replaced(model: LGMD2, parameters: Parameters, thresholds: Thresholds) -> LGMD2:
+    """The same structure with other parameters and thresholds."""
+    return LGMD2(parameters, thresholds, model.n_p, model.low_pass, model.N_ts, model.eye)
+
+
+def problem_of(
+    model: LGMD2,
+    observation: Observation,
+    free: Free,
+    conditions: Sequence[tuple[Stimulus, Sequence[Target]]],
+    loss: Loss,
+) -> Problem:
+    """The problem of fitting a model to conditions, the ones of a raster in one batch."""
+    rasters: dict[tuple, list[int]] = {}
+    for number, (stimulus, _) in enumerate(conditions):
+        rasters.setdefault((*stimulus.frames.shape[1:], stimulus.frames.dtype), []).append(number)
+    places: list[tuple[Place, ...]] = [()] * len(conditions)
+    batches = []
+    for number, members in enumerate(rasters.values()):
+        batch, slots = _batch([conditions[member] for member in members])
+        batches.append(batch)
+        for row, member in enumerate(members):
+            places[member] = tuple(Place(number, slot, row) for slot in slots[row])
+    return Problem(model, observation, tuple(batches), tuple(places), free, loss)
+
+
+def _batch(members: Sequence[tuple[Stimulus, Sequence[Target]]]) -> tuple[Batch, list[list[int]]]:
+    """The batch, and for each of its conditions the slots of its targets."""
+    length = max(len(stimulus.frames) for stimulus, _ in members)
+
+    def padded(rows, **how):
+        rows = [np.asarray(row) for row in rows]
+        return jnp.stack([np.pad(row, [(0, length - len(row))] + [(0, 0)] * (row.ndim - 1), **how) for row in rows])
+
+    columns: dict[tuple[str, int], list[Target | None]] = {}  # by channel, and which of a condition's targets in it
+    taken: list[list[tuple[str, int]]] = []
+    for row, (_, targets) in enumerate(members):
+        counts: Counter[str] = Counter()
+        taken.append([])
+        for target in targets:
+            column = target.channel, counts[target.channel]
+            counts[target.channel] += 1
+            taken[row].append(column)
+            columns.setdefault(column, [None] * len(members))[row] = target
+
+    empty = [np.zeros(len(stimulus.frames)) for stimulus, _ in members]
+    slots = [
+        Slot(
+            channel,
+            padded([none if it is None else it.values for it, none in zip(column, empty, strict=True)]),
+            padded([none if it is None else it.scale for it, none in zip(column, empty, strict=True)]),
+            jnp.asarray([1.0 if it is None else it.thinning for it in column]),
+        )
+        for (channel, _), column in columns.items()
+    ]
+    far = _FAR_MS * np.arange(1, length + 1)
+    times = [np.asarray(stimulus.time) for stimulus, _ in members]
+    batch = Batch(
+        frames=padded([stimulus.frames for stimulus, _ in members], mode="edge"),
+        interval=jnp.asarray([1000 / stimulus.fps for stimulus, _ in members]),
+        time=jnp.stack([np.concatenate([time, time[-1] + far[: length - len(time)]]) for time in times]),
+        slots=tuple(slots),
+    )
+    order = list(columns)
+    return batch, [[order.index(column) for column in row] for row in taken]

@@ -1,0 +1,192 @@
+"""What a fit found, and what can be asked of it."""
+
+import dataclasses
+from collections.abc import Sequence
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float
+from scipy import stats
+
+from lgmd2jax._model import LGMD2
+from lgmd2jax._observation import Observation
+from lgmd2jax._parameters import Parameters, symbols
+from lgmd2jax._protocol import Condition
+from lgmd2jax._target import Target
+from lgmd2jax._thresholds import Hard
+from lgmd2jax.fitting._curve import DISAGREEMENT, Curve, observed
+from lgmd2jax.fitting._descent import Run
+from lgmd2jax.fitting._free import Free
+from lgmd2jax.fitting._next_stimulus import Candidate, ranked
+from lgmd2jax.fitting._problem import Problem, problem_of, replaced, softened
+from lgmd2jax.fitting._profile import Profile, profile
+from lgmd2jax.fitting._report import Extra, html, text
+from lgmd2jax.fitting._sensitivity import sensitivity
+from lgmd2jax.fitting._uncertainty import Uncertainty, sentences
+from lgmd2jax.stimuli import Stimulus
+
+# Of the box's width, within which a value counts as on its bound.
+ON_BOUND = 1e-6
+_SAME_LOSS = 0.01  # relative; runs so close to the best are said to have found it
+
+
+@dataclasses.dataclass(frozen=True)
+class Fit:
+    """A fitted model with all that is known of how well it is determined.
+
+    - `model`: the best model, with the thresholds of the one that was given: hard ones, to be handed over.
+    - `observation`: from its potential to a rate, fitted where it was free.
+    - `free`: what was free. `start`: the values from which the search set out, by name.
+    - `loss`: half the sum of squares of `model`; `soft_loss`: of the same parameters at the last temperature.
+    - `temperatures`: of the descent, the last one being that of `soft` and of the uncertainty.
+    - `uncertainty`: errors, intervals, correlations, information criteria.
+    - `curves`: target, soft and hard model for every target of every condition.
+    - `runs`: the starts that were descended, the best first. `screened`: losses of all points of the search, sorted.
+    - `errors`: by channel, the standard error that one frame would have if its neighbours told nothing of it.
+    - `result`: `"converged"`, or why not. `stats`: counts of what was done.
+    """
+
+    model: LGMD2
+    observation: Observation
+    free: Free
+    z: Float[np.ndarray, " free"]
+    start: dict[str, float]
+    loss: float
+    soft_loss: float
+    temperatures: tuple[float, ...]
+    uncertainty: Uncertainty
+    curves: tuple[Curve, ...]
+    runs: tuple[Run, ...]
+    screened: tuple[float, ...]
+    errors: dict[str, float]
+    result: str
+    stats: dict[str, Any]
+    problem: Problem | None = None
+
+    @property
+    def parameters(self) -> Parameters:
+        """The parameters of `model`."""
+        return self.model.parameters
+
+    @property
+    def values(self) -> dict[str, float]:
+        """The free parameters by name, of model and observation."""
+        return {name: float(getattr(self._owner(name), name)) for name in self.free.names}
+
+    @property
+    def covariance(self) -> Float[np.ndarray, "free free"]:
+        """Of the free parameters, in their own units and in the order of `free.names`."""
+        return self.uncertainty.covariance
+
+    @property
+    def soft(self) -> LGMD2:
+        """The same parameters at the last temperature."""
+        thresholds = softened(self.model.thresholds, jnp.asarray(self.temperatures[-1], dtype=float))
+        return replaced(self.model, self.model.parameters, thresholds)
+
+    @property
+    def hard(self) -> LGMD2:
+        """The same parameters with hard thresholds."""
+        return replaced(self.model, self.model.parameters, Hard())
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """The channels that had targets, the rate first."""
+        return tuple(sorted({curve.channel for curve in self.curves}, key=lambda name: (name != "rate", name)))
+
+    def predict(self, condition: Condition | Stimulus, channel: str | None = None) -> Float[np.ndarray, " time"]:
+        """The fitted channel for any stimulus, by `model`, at its frames.
+
+        **Arguments:** `channel`: by default the rate, where one was fitted, else the first of `channels`.
+        """
+        stimulus = condition if isinstance(condition, Stimulus) else condition.render()
+        return observed(self.model, self.observation, stimulus, channel or self.channels[0])
+
+    def profile(self, name: str, confidence: float = 0.95) -> Profile:
+        """The interval of a free parameter by its profile likelihood: all others are fitted anew as it is moved.
+
+        **Raises:** `ValueError` for a parameter that is not free, and for a fit that was read from a folder.
+        """
+        problem, u = self._with_data("profile"), self.uncertainty
+        if name not in self.free.names:
+            raise ValueError(f"{name!r} is not free in this fit; choose {', '.join(self.free.names)}")
+        known, priors = problem.known(), len(self.free.penalties(self.z))
+        rows = np.flatnonzero(np.concatenate([known, np.ones(priors, bool)]))
+        share = np.concatenate([1 / problem.thinning()[known], np.full(priors, u.variance)])
+        temperature, index = jnp.asarray(self.temperatures[-1], dtype=float), self.free.names.index(name)
+        # With errors that are only relative the rise is measured by the residual variance, which is known so well.
+        quantile = stats.chi2.ppf(confidence, 1) if u.absolute else stats.f.ppf(confidence, 1, u.degrees_of_freedom)
+        step = 2 * float(np.sqrt(u.covariance_z[index, index]))
+        return profile(
+            lambda z: problem.residuals(z, temperature)[rows] * np.sqrt(share),
+            self.z,
+            index,
+            variance=u.variance,
+            limit=float(quantile),
+            step=min(max(step, 1e-4), 0.25),
+            value=lambda z: float(self.free.freedoms[index].value(z)),
+        )
+
+    def next_stimulus(self, candidates: Sequence[Condition | Stimulus]) -> list[Candidate]:
+        """Which stimulus to record next: the one that narrows the intervals most. The best stands first."""
+        temperature = jnp.asarray(self.temperatures[-1], dtype=float)
+        stimuli = [it if isinstance(it, Stimulus) else it.render() for it in candidates]
+        jacobians = []
+        for stimulus in stimuli:
+            nothing = np.zeros(len(stimulus.time))
+            targets = [Target(channel, nothing, error=self.errors[channel]) for channel in self.channels]
+            wanted = [(stimulus, [target.on(stimulus) for target in targets])]
+            problem = problem_of(self.model, self.observation, self.free, wanted, "squares")
+            jacobian = sensitivity(problem, jnp.asarray(self.z), temperature).jacobian
+            jacobians.append(np.asarray(jacobian)[: len(targets) * len(nothing)])
+        return ranked(self.uncertainty, jacobians, [stimulus.name for stimulus in stimuli])
+
+    def remarks(self) -> list[str]:
+        """What a reader must know before trusting the numbers, a sentence each."""
+        said = []
+        if self.result != "converged":
+            said.append(f"The last descent did not converge: {self.result}.")
+        bounds = [f"{name} ({value:.4g})" for name, value in self.values.items() if self._on_bound(name)]
+        if bounds:
+            said.append(f"On a bound: {', '.join(bounds)}. Wider bounds may fit better.")
+        for curve in self.curves:
+            if not curve.met:
+                said.append(
+                    f"{curve.condition}, {curve.channel}: the model cannot meet this target and misses it by "
+                    f"{curve.rmse():.3g} (r.m.s.) at the best fit."
+                )
+            if curve.gap > DISAGREEMENT:
+                said.append(
+                    f"{curve.condition}, {curve.channel}: soft and hard model differ by {curve.gap:.0%} of the "
+                    "span; trust the hard one, and errors and intervals with care."
+                )
+        return said + sentences(self.uncertainty)
+
+    @property
+    def found(self) -> int:
+        """How many of `runs` ended at the best loss."""
+        best = self.runs[0].loss
+        return sum(run.loss <= best * (1 + _SAME_LOSS) + 1e-9 for run in self.runs)
+
+    def summary(self, extra: Extra | None = None) -> str:
+        """The report as text, with further sections in `extra`."""
+        return text(self, extra or Extra())
+
+    def __repr__(self):
+        return self.summary()
+
+    def _repr_html_(self) -> str:
+        return html(self, Extra())
+
+    def _owner(self, name: str) -> Parameters | Observation:
+        return self.model.parameters if name in symbols() else self.observation
+
+    def _on_bound(self, name: str) -> bool:
+        z = self.z[self.free.names.index(name)]
+        return bool(min(z, 1 - z) < ON_BOUND)
+
+    def _with_data(self, what: str) -> Problem:
+        if self.problem is None:
+            raise ValueError(f"{what} needs the targets, which a result folder does not hold; make the fit anew")
+        return self.problem

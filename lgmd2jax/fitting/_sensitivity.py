@@ -1,0 +1,33 @@
+"""How curves and differences change with the free parameters."""
+
+from typing import NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from lgmd2jax.fitting._problem import Problem
+
+
+class Sensitivity(NamedTuple):
+    """Residuals and curves at a point, with their derivatives by the point in the unit box."""
+
+    residuals: Float[Array, " n"]
+    jacobian: Float[Array, "n free"]
+    curves: list[list[Float[Array, "condition time"]]]
+    slopes: list[list[Float[Array, "condition time free"]]]
+
+
+@eqx.filter_jit
+def sensitivity(problem: Problem, z: Float[Array, " free"], temperature: Float[Array, ""] | None) -> Sensitivity:
+    """All derivatives in one pass."""
+
+    def everything(z):
+        model, observation = problem.at(z, temperature)
+        curves = problem.curves(model, observation, problem.potentials(model))
+        residuals = jnp.concatenate([problem.differences(curves), problem.free.penalties(z)])
+        return (residuals, curves), (residuals, curves)
+
+    (jacobian, slopes), (residuals, curves) = jax.jacfwd(everything, has_aux=True)(z)
+    return Sensitivity(residuals, jacobian, curves, slopes)
