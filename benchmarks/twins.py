@@ -8,6 +8,7 @@ python -m benchmarks.twins --noisy --count 200   noise: 95 % intervals must cove
 import argparse
 import dataclasses
 import time
+from typing import Any
 
 import jax
 import numpy as np
@@ -41,8 +42,8 @@ class Twin:
 
 def stimuli(eye: lgmd.Eye) -> list[lgmd.Stimulus]:
     """Five conditions of four families, 60 frames at 30 fps each."""
-    approach = {"l_over_v": 60.0, "start_angle": 4.0, "start_ms": -1600.0, "end_ms": 366.0}
-    later = {"start_ms": -300.0, "end_ms": 1666.0}
+    approach: dict[str, Any] = {"l_over_v": 60.0, "start_angle": 4.0, "start_ms": -1600.0, "end_ms": 366.0}
+    later: dict[str, Any] = {"start_ms": -300.0, "end_ms": 1666.0}
     show = lgmd.stimuli
     return [
         show.looming(eye, contrast=-0.9, background=200.0, **approach),

@@ -5,7 +5,7 @@ from lgmd2jax._ablation import ABLATIONS as ABLATIONS, ablate as ablate
 from lgmd2jax._export import load as load, save as save
 from lgmd2jax._eye import Eye as Eye
 from lgmd2jax._looming_law import LoomingLaw as LoomingLaw
-from lgmd2jax._model import LGMD2 as LGMD2, Layers as Layers, Response as Response, State as State
+from lgmd2jax._model import LGMD2 as LGMD2, Response as Response, State as State
 from lgmd2jax._model_target import ModelTarget as ModelTarget
 from lgmd2jax._observation import Observation as Observation, observation_symbols as observation_symbols
 from lgmd2jax._parameters import (
@@ -15,6 +15,7 @@ from lgmd2jax._parameters import (
     preset as preset,
     symbols as symbols,
 )
+from lgmd2jax._pixels import Layers as Layers
 from lgmd2jax._protocol import Condition as Condition, Protocol as Protocol, load_protocol as load_protocol
 from lgmd2jax._recipe import Recipe as Recipe, load_recipe as load_recipe
 from lgmd2jax._rest import Onset as Onset, Rest as Rest

@@ -6,6 +6,8 @@ import platform
 import time
 from pathlib import Path
 
+import jax
+
 from lgmd2jax._catalogue import results_folder
 from lgmd2jax._folder import check_folder
 from lgmd2jax._memory import FileMemory
@@ -28,6 +30,7 @@ Ctrl-C ends the search and writes the best so far. The folder then holds
   curves.csv        target, soft and hard model of every condition over time
   fit.png           the same as a picture
   diagnostics.png   starts, loss over steps, correlations, what the data determine
+  posterior.nc      draws of the parameters, where the recipe asks for samples (arviz.from_netcdf)
 """
 
 
@@ -71,7 +74,8 @@ def run(options: argparse.Namespace) -> None:
         },
     }
     provenance = {"recipe": recipe.name, "seed": recipe.seed, "digest": digest}
-    save_fit(fit, folder, name=recipe.name, extra=extra, provenance=provenance, made=made)
+    draws = None if stopped or not recipe.samples else fit.sample(jax.random.key(recipe.seed), recipe.samples)
+    save_fit(fit, folder, name=recipe.name, extra=extra, provenance=provenance, made=made, draws=draws)
     print(fit.summary(extra))
     print(f"\nwrote {folder}/ in {time.monotonic() - began:.0f} s; open {folder}/report.html")
     if stopped:

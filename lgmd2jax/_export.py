@@ -2,10 +2,11 @@
 
 import dataclasses
 import json
+import math
 import os
+import re
 from collections.abc import Mapping
 from importlib.metadata import version
-from typing import Any
 
 import numpy as np
 
@@ -14,14 +15,21 @@ from lgmd2jax._eye import Eye
 from lgmd2jax._files import replaced
 from lgmd2jax._model import LGMD2
 from lgmd2jax._parameters import Parameters, symbols
+from lgmd2jax._test_vector import make_test_vector
+
+Plain = str | int | float | bool
 
 
-def save(model: LGMD2, path: str | os.PathLike, provenance: Mapping[str, Any] | None = None) -> None:
-    """Write the hand-over file: the parameters, for hard thresholds, with structure, eye and version.
+def save(model: LGMD2, path: str | os.PathLike, provenance: Mapping[str, Plain] | None = None) -> None:
+    """Write the hand-over file: the parameters, for hard thresholds, with structure, eye, version and a test vector.
 
-    Equal models give equal files. A number is written as shortly as its precision allows.
+    Equal models give equal files. A number is written as shortly as its precision allows. Finding a test vector that
+    suits the parameters takes about a second.
 
-    **Raises:** `ValueError` for a batch of models, `OSError` where the file cannot be written.
+    **Arguments:** `provenance` is what else the file says of its origin, by name: text, numbers, truth values. Leave
+    out what differs between two runs of the same fit, such as the time.
+
+    **Raises:** `ValueError` for a batch of models and for other provenance, `OSError` where the file cannot be written.
     """
     parameters = {}
     for name in symbols():
@@ -29,21 +37,25 @@ def save(model: LGMD2, path: str | os.PathLike, provenance: Mapping[str, Any] | 
         if leaf.shape != ():
             raise ValueError(f"{name} has shape {leaf.shape}; a hand-over file holds one model: pick one of the batch")
         parameters[name] = float(str(leaf))
+    eye = None if model.eye is None else dataclasses.asdict(model.eye)
+    if eye is not None:
+        eye |= {name: float(eye[name]) for name in ("degrees_per_pixel", "fps") if eye[name] is not None}
+    structure = {"n_p": model.n_p, "low_pass": model.low_pass, "N_ts": model.N_ts}
     content = {
         "format": hard.FORMAT,
         "version": hard.VERSION,
         "parameters": parameters,
-        "structure": {"n_p": model.n_p, "low_pass": model.low_pass, "N_ts": model.N_ts},
-        "eye": None if model.eye is None else dataclasses.asdict(model.eye),
-        "provenance": {"program": f"lgmd2jax {version('lgmd2jax')}", **(provenance or {})},
+        "structure": structure,
+        "eye": eye,
+        "provenance": {"program": f"lgmd2jax {version('lgmd2jax')}", **_plain(provenance or {})},
+        "test_vector": make_test_vector(parameters, structure, None if eye is None else eye["fps"]),
     }
-    with replaced(path) as temporary, open(temporary, "w", encoding="utf-8") as file:
-        json.dump(content, file, indent=2, allow_nan=False)
-        file.write("\n")
+    with replaced(path) as temporary:
+        temporary.write_text(_numbers_in_rows(json.dumps(content, indent=2, allow_nan=False)) + "\n", encoding="utf-8")
 
 
 def load(path: str | os.PathLike) -> LGMD2:
-    """The model of a hand-over file, with hard thresholds.
+    """The model of a hand-over file, with hard thresholds, once `hard.py` finds that its test vector comes out.
 
     **Raises:** `ValueError` that says what is wrong with the file, `OSError` where it cannot be read.
     """
@@ -53,3 +65,23 @@ def load(path: str | os.PathLike) -> LGMD2:
         return LGMD2(Parameters(**content["parameters"]), eye=eye, **content["structure"])
     except (TypeError, ValueError) as error:
         raise ValueError(f"{path} is not a hand-over file that can be used: {error}") from None
+
+
+def _plain(provenance):
+    for name, value in provenance.items():
+        number = isinstance(value, (int, float)) and math.isfinite(value)
+        if name == "program" or not isinstance(name, str) or not (isinstance(value, str) or number):
+            raise ValueError(
+                f"provenance has {name!r}: {value!r}; give names other than 'program', "
+                "with text, finite numbers or truth values"
+            )
+    return dict(sorted(provenance.items()))
+
+
+def _numbers_in_rows(text):
+    """Indented JSON with each innermost list of numbers on one line. Strings hold no line breaks, so they stay."""
+
+    def on_one_line(found):
+        return f"[{' '.join(found[1].split())}]"
+
+    return re.sub(r'\[\n([^\[\]{}"]*)\]', on_one_line, text)

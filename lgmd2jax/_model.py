@@ -1,7 +1,6 @@
 """The LGMD2: one frame is `step`, a clip is `jax.lax.scan` over frames of the same two steps."""
 
 import warnings
-from collections.abc import Callable
 from typing import Any
 
 import equinox as eqx
@@ -10,26 +9,14 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Real
 
-from lgmd2jax import _medulla as medulla, _retina as retina
+from lgmd2jax import _retina as retina
 from lgmd2jax._eye import Eye
 from lgmd2jax._lobula import CellState, cell_step
-from lgmd2jax._low_pass import LOW_PASS_FORMS, LowPass, coefficient, low_pass
+from lgmd2jax._low_pass import LOW_PASS_FORMS, LowPass
 from lgmd2jax._parameters import Parameters, check_parameters, is_concrete, nearest, symbols
-from lgmd2jax._pool import pool
-from lgmd2jax._retina import Map
-from lgmd2jax._sensitivity import with_sensitivities
+from lgmd2jax._pixels import PixelState, Record, cast, pixel_step
+from lgmd2jax._sensitivity import potentials
 from lgmd2jax._thresholds import Hard, Thresholds
-
-
-class PixelState(eqx.Module):
-    """What the pixels keep from one frame to the next. It is pointwise in space: neighbours only feed forward."""
-
-    luminance: Map
-    p: Float[Array, "n_p row col"]
-    on: Map
-    off: Map
-    d_on: Map
-    d_off: Map
 
 
 class State(eqx.Module):
@@ -37,21 +24,6 @@ class State(eqx.Module):
 
     pixels: PixelState
     cell: CellState
-
-
-class Layers(eqx.Module):
-    """The maps of one frame, in grey levels, for `record` to choose from."""
-
-    p: Map
-    on: Map
-    off: Map
-    d_on: Map
-    d_off: Map
-    s_on: Map
-    s_off: Map
-    s: Map
-    s_gated: Map
-    g: Map
 
 
 class Response(eqx.Module):
@@ -75,7 +47,6 @@ class Response(eqx.Module):
     recorded: Any = None
 
 
-Record = Callable[[Layers], Any]
 Number = float | int | np.number | Real[Array | np.ndarray, ""]
 
 
@@ -164,7 +135,7 @@ class LGMD2(eqx.Module):
         **Raises:** `ValueError` for a wrong shape.
         """
         frame = _as_pixels(frame, self.parameters, "frame", "(row, col)", rank=2)
-        return State(self._rest(frame), CellState.rest(self.N_ts, self._cell_dtype(frame)))
+        return State(PixelState.rest(frame, self.n_p), CellState.rest(self.N_ts, self._cell_dtype(frame)))
 
     def step(
         self,
@@ -199,53 +170,13 @@ class LGMD2(eqx.Module):
         state, response = _advance(self, state, frame, interval, record)
         return state, self._checked(response, interval, check)
 
-    def _rest(self, frame: Map) -> PixelState:
-        zero = jnp.zeros_like(frame)
-        return PixelState(frame, jnp.zeros((self.n_p, *frame.shape), frame.dtype), zero, zero, zero, zero)
-
     def _cell_dtype(self, frame):
         return jnp.result_type(frame.dtype, self.parameters.tau1.dtype)
-
-    def _pixel_step(self, state: PixelState, frame: Map, interval) -> tuple[PixelState, tuple[Array, Array, Layers]]:
-        """Eqs 1-11 and 13: the next state of the pixels; MP, F and the layers of this frame."""
-        state, p, f = self._remember(state, frame, interval)
-        spread_on, spread_off = medulla.lateral(state.d_on), medulla.lateral(state.d_off)
-        s, s_on, s_off = self._sum_flows(state.on, state.off, spread_on, spread_off)
-        mp, s_gated = self._gate_and_pool(s)
-        g = medulla.g_layer(s_gated)
-        layers = Layers(p, state.on, state.off, state.d_on, state.d_off, s_on, s_off, s, s_gated, g)
-        return state, (mp, f, layers)
-
-    def _remember(self, state: PixelState, frame: Map, interval) -> tuple[PixelState, Map, Array]:
-        """Eqs 1-4 and 13, all that has a memory, each pixel by itself: the next state, P and F."""
-        parameters, interval = _cast((self.parameters, interval), frame.dtype)
-        a = coefficient(parameters.tau1, interval, self.low_pass)
-
-        p = retina.photoreceptors(frame, state.luminance, state.p, parameters.u)
-        on, off = retina.half_wave(p)
-        on = retina.residual(on, state.on, parameters.sigma1)
-        off = retina.residual(off, state.off, parameters.sigma1)
-        d_on = low_pass(state.d_on, on, a)
-        d_off = low_pass(state.d_off, off, a)
-
-        history = jnp.concatenate([p[None], state.p])[: self.n_p]
-        return PixelState(frame, history, on, off, d_on, d_off), p, pool(retina.magnitude(p), 1 / p.size)
-
-    def _sum_flows(self, on: Map, off: Map, spread_on: Map, spread_off: Map) -> tuple[Map, Map, Map]:
-        """Eqs 7 and 8: S, and S_on and S_off on the way to it."""
-        parameters = _cast(self.parameters, on.dtype)
-        s_on, s_off = medulla.local_sums(on, off, spread_on, spread_off, parameters.w_bias)
-        return medulla.s_layer(s_on, s_off, parameters), s_on, s_off
-
-    def _gate_and_pool(self, s: Map) -> tuple[Array, Map]:
-        """Eqs 9 and 11: MP, and S' on the way to it."""
-        s_gated = medulla.gate(s, self.parameters.T_s.astype(s.dtype), self.thresholds)
-        return pool(s_gated), s_gated
 
     def _cell_step(self, state: CellState, mp, f, interval, pixels: int) -> tuple[CellState, dict]:
         """Eqs 12-17 in the cell's own precision."""
         dtype = state.u.dtype
-        parameters, interval, mp, f = _cast((self.parameters, interval, mp, f), dtype)
+        parameters, interval, mp, f = cast((self.parameters, interval, mp, f), dtype)
         return cell_step(state, mp, f, parameters, self.thresholds, interval, pixels, self.low_pass)
 
     def _interval(self, fps):
@@ -260,7 +191,8 @@ class LGMD2(eqx.Module):
 
     def _check_persistence(self):
         if self.n_p and is_concrete(self.parameters.u):
-            total = max(float(retina.persistence(u, self.n_p).sum()) for u in jnp.ravel(self.parameters.u))
+            with jax.ensure_compile_time_eval():
+                total = max(float(retina.persistence(u, self.n_p).sum()) for u in jnp.ravel(self.parameters.u))
             if total >= 1:
                 raise ValueError(
                     f"u is {self.parameters.u} with n_p = {self.n_p}: the persistence sums to {total:.3g} and is "
@@ -294,31 +226,12 @@ def _respond(model: LGMD2, frames, interval, record) -> Response:
     return Response(**channels(model, mp, f, interval, frames[0].size), recorded=recorded)
 
 
-def potentials(model: LGMD2, frames, interval, record: Record | None = None) -> tuple[Array, Array, Any]:
-    """The pixel stage over a clip: MP(t), F(t) and what was recorded. No parameter of the cell plays a part in it."""
-    if record is None:
-        return *_potentials(model, frames, interval), None
-    return _scan(model, frames, interval, record)
-
-
-def _scan(model: LGMD2, frames, interval, record: Record | None) -> tuple[Array, Array, Any]:
-    def step(state, frame):
-        state, (mp, f, layers) = model._pixel_step(state, frame, interval)
-        return state, (mp, f, None if record is None else record(layers))
-
-    return jax.lax.scan(step, model._rest(frames[0]), frames)[1]
-
-
-@with_sensitivities
-def _potentials(model: LGMD2, frames, interval) -> tuple[Array, Array]:
-    return _scan(model, frames, interval, None)[:2]
-
-
 def channels(model: LGMD2, mp, f, interval, pixels: int) -> dict[str, Array]:
     """The cell over a clip, from MP(t) and F(t): the channels of a `Response`."""
 
-    def step(state, potentials):
-        return model._cell_step(state, *potentials, interval, pixels)
+    def step(state, sums):
+        mp, f = sums
+        return model._cell_step(state, mp, f, interval, pixels)
 
     dtype = jnp.result_type(mp.dtype, model.parameters.tau1.dtype)
     return jax.lax.scan(step, CellState.rest(model.N_ts, dtype), (mp, f))[1]
@@ -327,7 +240,7 @@ def channels(model: LGMD2, mp, f, interval, pixels: int) -> dict[str, Array]:
 @eqx.filter_jit
 def _advance(model: LGMD2, state: State, frame, interval, record) -> tuple[State, Response]:
     model, interval = _opaque((model, interval))
-    pixels, (mp, f, layers) = model._pixel_step(state.pixels, frame, interval)
+    pixels, (mp, f, layers) = pixel_step(model, state.pixels, frame, interval)
     cell, channels = model._cell_step(state.cell, mp, f, interval, frame.size)
     return State(pixels, cell), Response(**channels, recorded=None if record is None else record(layers))
 
@@ -363,7 +276,3 @@ def _positive(value, name: str, unit: str) -> Array:
     if isinstance(value, str) or (is_concrete(value) and not (np.ndim(value) == 0 and 0 < value < np.inf)):
         raise ValueError(f"{name} is {value!r}; give a positive number of {unit}")
     return jnp.asarray(value, dtype=float)
-
-
-def _cast(tree, dtype):
-    return jax.tree.map(lambda leaf: leaf.astype(dtype), tree)

@@ -5,13 +5,14 @@ So a parameter needs one map of sensitivities for each array of the state that d
 state: forward mode over time. MP is one number, so that its slopes in all signals of a frame come from one backward
 pass over that frame: reverse mode within a frame. A parameter without memory needs no map at all.
 
-Nothing here repeats an equation of the network. JAX differentiates the parts of `LGMD2._pixel_step`, and which part
+Nothing here repeats an equation of the network. JAX differentiates the three parts of `pixel_step`, and which part
 and which state depend on which parameter is read from what it finds: `equinox.filter_jvp` returns None for no change.
 """
 
 import functools
 import operator
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
+from typing import Any
 
 import equinox as eqx
 import jax
@@ -21,62 +22,72 @@ from jaxtyping import Array
 
 from lgmd2jax._medulla import lateral
 from lgmd2jax._parameters import symbols
+from lgmd2jax._pixels import PixelState, Record, cast, gate_and_pool, remember, scan_pixels, sum_flows
 from lgmd2jax._pool import pool
 
 
-def with_sensitivities(potentials: Callable) -> Callable:
-    """`potentials(model, frames, interval)`, which returns MP(t) and F(t), with this derivative attached.
+def potentials(model, frames, interval, record: Record | None = None) -> tuple[Array, Array, Any]:
+    """The pixel stage of an `LGMD2` over a clip: MP(t), F(t) and what was recorded.
 
-    `jax.grad`, `jax.jacfwd`, `jax.linearize` and all that builds on them use it without knowing: the tangents of the
-    parameters are multiplied by the Jacobian, so that it is computed once however many tangents there are. Where
-    something else is perturbed (frames, interval, temperature, widths), JAX differentiates the scan as it stands.
+    `jax.grad`, `jax.jacfwd`, `jax.linearize` and all that builds on them use the sensitivities without knowing: the
+    tangents of the parameters are multiplied by the Jacobian, which is computed once however many tangents there are.
+    Where something else is perturbed (frames, interval, temperature, widths), and with `record`, JAX differentiates the
+    scan as it stands.
     """
-    attached = eqx.filter_custom_jvp(potentials)
+    if record is None:
+        return *_potentials(model, frames, interval), None
+    return scan_pixels(model, frames, interval, record)
 
-    @attached.def_jvp
-    def rule(primals, tangents):
-        model_tangent, *input_tangents = tangents
-        other_tangents = eqx.tree_at(lambda model: model.parameters, model_tangent, None), input_tangents
-        if jax.tree.leaves(other_tangents):
-            return eqx.filter_jvp(potentials, primals, tangents)
-        all_tangents = {name: getattr(model_tangent.parameters, name) for name in symbols()}
-        perturbed = {name: tangent for name, tangent in all_tangents.items() if tangent is not None}
-        outputs, jacobian = _sensitivities(*primals, tuple(perturbed))
 
-        def change(output, rows):
-            return _total(row * perturbed[name].astype(output.dtype) for name, row in rows.items() if row is not None)
+def _scan(model, frames, interval):
+    return scan_pixels(model, frames, interval, None)[:2]
 
-        return outputs, tuple(map(change, outputs, jacobian))
 
-    return attached
+_potentials = eqx.filter_custom_jvp(_scan)
+
+
+@_potentials.def_jvp
+def _potentials_jvp(primals, tangents):
+    model, frames, interval = primals
+    model_tangent, *input_tangents = tangents
+    other_tangents = eqx.tree_at(lambda model: model.parameters, model_tangent, None), input_tangents
+    if jax.tree.leaves(other_tangents):
+        return eqx.filter_jvp(_scan, primals, tangents)
+    all_tangents = {name: getattr(model_tangent.parameters, name) for name in symbols()}
+    perturbed = {name: tangent for name, tangent in all_tangents.items() if tangent is not None}
+    outputs, jacobian = _sensitivities(model, frames, interval, tuple(perturbed))
+
+    def change(output, rows):
+        return _total(row * perturbed[name].astype(output.dtype) for name, row in rows.items() if row is not None)
+
+    return outputs, tuple(map(change, outputs, jacobian))
 
 
 def _sensitivities(model, frames, interval, names: tuple[str, ...]):
     """MP(t) and F(t), and for each a dictionary of its derivatives by the named parameters, None for no influence."""
-    in_pixels = jax.tree.map(lambda leaf: leaf.astype(frames.dtype), model.parameters)
-    model = eqx.tree_at(lambda model: model.parameters, model, in_pixels)
-    start = model._rest(frames[0])
+    model = eqx.tree_at(lambda model: model.parameters, model, cast(model.parameters, frames.dtype))
+    start = PixelState.rest(frames[0], model.n_p)
 
     def step(carry, frame):
         state, maps = carry
 
-        def remember(model, state):
-            state, _, f = model._remember(state, frame, interval)
+        def advance(model, state):
+            state, _, f = remember(model, state, frame, interval)
             return state, f
 
-        new, f = remember(model, state)
+        new, f = advance(model, state)
         signals = new.on, new.off, lateral(new.d_on), lateral(new.d_off)
-        s, to_signals = jax.vjp(lambda signals: model._sum_flows(*signals)[0], signals)
-        mp, of_s = jax.linearize(lambda s: model._gate_and_pool(s)[0], s)
+        s, to_signals = jax.vjp(lambda signals: sum_flows(model, *signals)[0], signals)
+        mp, of_s = jax.linearize(lambda s: gate_and_pool(model, s)[0], s)
         ((on, off, spread_on, spread_off),) = to_signals(*jax.linear_transpose(of_s, s)(jnp.ones_like(mp)))
         # The lateral spread is its own adjoint, so two spreads a frame serve the maps of all parameters.
         slopes = {"on": on, "off": off, "d_on": lateral(spread_on), "d_off": lateral(spread_off)}
 
         def change(name):
             unit = _unit(model, name)
-            _, (new_maps, df) = eqx.filter_jvp(remember, (model, state), (unit, maps[name]))
-            _, ds = eqx.filter_jvp(lambda model: model._sum_flows(*signals)[0], (model,), (unit,))
-            _, dmp = eqx.filter_jvp(lambda model: model._gate_and_pool(s)[0], (model,), (unit,))
+            _, (new_maps, df) = eqx.filter_jvp(advance, (model, state), (unit, maps[name]))
+            _, ds = eqx.filter_jvp(lambda model: sum_flows(model, *signals)[0], (model,), (unit,))
+            _, dmp = eqx.filter_jvp(lambda model: gate_and_pool(model, s)[0], (model,), (unit,))
             moved = {field: getattr(new_maps, field) for field in slopes}
             carried = _total(slopes[field] * tangent for field, tangent in moved.items() if tangent is not None)
             parts = dmp, None if ds is None else of_s(ds), None if carried is None else pool(carried)
@@ -100,16 +111,16 @@ def _unit(model, name: str):
 def _maps_at_rest(model, name: str, state, frame, interval):
     """Sensitivities of a state at rest: 0 for the arrays that this parameter will reach, None for the others."""
 
-    def advance(maps):
-        def remember(model, state):
-            return model._remember(state, frame, interval)[0]
+    def reach(maps):
+        def advance(model, state):
+            return remember(model, state, frame, interval)[0]
 
-        return eqx.filter_jvp(remember, (model, state), (_unit(model, name), maps))[1]
+        return eqx.filter_jvp(advance, (model, state), (_unit(model, name), maps))[1]
 
     maps, reached = None, jax.tree.map(lambda _: None, state)
     while jax.tree.structure(maps) != jax.tree.structure(reached):
         maps = jax.tree.map(lambda leaf: jnp.zeros(leaf.shape, leaf.dtype), reached)
-        reached = eqx.filter_eval_shape(advance, maps)
+        reached = eqx.filter_eval_shape(reach, maps)
     return maps
 
 

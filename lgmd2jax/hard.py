@@ -10,6 +10,7 @@ while True:
         robot.turn()
 ```
 
+`load` proves itself: the file carries a short clip with the response to it, which must come out.
 `model.step(frame, interval=ms)` takes the time since the last frame where the camera's clock is known, and
 `model(frames)` gives the response to a whole clip. The equations are those of Fu, Hu & Yue (arXiv 1801.06452).
 """
@@ -42,6 +43,8 @@ DOMAINS = {
     "u": "(-inf, inf)",
     "N_sp": "(0, inf)",
 }
+EYE = ("rows", "cols", "degrees_per_pixel", "fps", "projection")
+TEST_VECTOR = ("fps", "tolerance", "frames", "response")
 
 
 class Response(NamedTuple):
@@ -57,6 +60,11 @@ class Response(NamedTuple):
     smp_adapted: Any
     spikes: Any
     collision: Any
+
+    @classmethod
+    def over_time(cls, frames: "Iterable[Response]") -> "Response":
+        """The response to a clip, from those to its frames."""
+        return cls(*(np.array(channel) for channel in zip(*frames, strict=True)))
 
 
 class HardLGMD2:
@@ -85,6 +93,10 @@ class HardLGMD2:
         _check_rate(fps)
         self.parameters = {name: float(parameters[name]) for name in DOMAINS}
         self.fps, self.n_p, self.low_pass, self.N_ts = fps, n_p, low_pass, N_ts
+        u = self.parameters["u"]
+        self._persistence = [1 / (1 + math.exp(min(u * i, 700))) for i in range(1, n_p + 1)]
+        if sum(self._persistence) >= 1:
+            raise ValueError(f"u is {u:g} with n_p = {n_p}: the persistence is not stable; raise u or lower n_p")
         self.reset()
 
     def reset(self) -> None:
@@ -103,7 +115,7 @@ class HardLGMD2:
         now = [self.step(frame, fps and 1000 / fps) for frame in frames]
         if not now:
             raise ValueError("frames is empty; give at least one frame")
-        return Response(*(np.array(channel) for channel in zip(*now, strict=True)))
+        return Response.over_time(now)
 
     def step(self, frame: np.ndarray, interval: float | None = None) -> Response:
         """One frame.
@@ -123,7 +135,8 @@ class HardLGMD2:
             raise ValueError(f"interval is {interval}; give a positive number of ms")
         if self._luminance is None:
             self._start(frame)
-        return self._cell(*self._pixels(frame, interval), frame.size, interval)
+        s, f = self._pixels(frame, interval)
+        return self._cell(self._potential(s), f, frame.size, interval)
 
     def _start(self, frame):
         self._luminance = frame
@@ -133,11 +146,11 @@ class HardLGMD2:
         self._spikes = [0] * self.N_ts
 
     def _pixels(self, frame, interval):
-        """Eqs 1-11 and 13: MP and F."""
+        """Eqs 1-8 and 13: the S layer and F."""
         v = self.parameters
         p = frame - self._luminance
-        for i, past in enumerate(self._history, start=1):
-            p = p + past / (1 + math.exp(v["u"] * i))
+        for share, past in zip(self._persistence, self._history, strict=True):
+            p = p + share * past
         self._luminance, self._history = frame, [p, *self._history][: self.n_p]
         self._on = np.maximum(p, 0) + v["sigma1"] * self._on
         self._off = np.maximum(-p, 0) + v["sigma1"] * self._off
@@ -147,10 +160,14 @@ class HardLGMD2:
         s_on = self._on - v["w_bias"] * _lateral(self._d_on)
         s_off = _lateral(self._d_off) - v["w_bias"] * self._off
         s = v["theta1"] * s_on + v["theta2"] * s_off + v["theta3"] * s_on * s_off
-        return float(s[s >= v["T_s"]].sum()), float(np.abs(p).mean())
+        return s, float(np.abs(p).mean())
+
+    def _potential(self, s):
+        """Eqs 9-11: MP. The mean of eq. 10 keeps the sum."""
+        return float(s[s >= self.parameters["T_s"]].sum())
 
     def _cell(self, mp, f, pixels, interval):
-        """Eqs 12-17."""
+        """Eqs 12 and 14-17."""
         v = self.parameters
         self._ffi += self._coefficient(v["tau2"], interval) * (f - self._ffi)
         smp = 1 / (1 + math.exp(-abs(mp) / (pixels * v["k"]))) if self._ffi <= v["T_ffi"] else 0.5
@@ -175,8 +192,21 @@ class HardLGMD2:
             raise ValueError("frame holds values that are not finite; mask or fill them")
 
 
+def first_difference(response: Response, expected: Response, tolerance: float) -> tuple[int, str] | None:
+    """The first frame, and in it the first channel, in which a response is not the expected one; None if it is.
+
+    **Arguments:** `tolerance` is the share of a channel's largest expected value by which it may be off. Spikes and
+    alarm may not.
+    """
+    values, wanted = np.array(response, float), np.array(expected, float)
+    allowed = tolerance * np.abs(wanted).max(axis=1)
+    allowed[-2:] = 0
+    wrong = np.argwhere(~(np.abs(values - wanted) <= allowed[:, None]).T)
+    return (int(wrong[0, 0]), Response._fields[wrong[0, 1]]) if len(wrong) else None
+
+
 def load(path) -> HardLGMD2:
-    """The model of a hand-over file.
+    """The model of a hand-over file, once its test vector has come out.
 
     **Raises:** `ValueError` that says what is wrong with the file, `OSError` where it cannot be read.
     """
@@ -186,7 +216,7 @@ def load(path) -> HardLGMD2:
 
 
 def read(path) -> dict:
-    """The content of a hand-over file, checked: format, version, parameters, structure, eye.
+    """The content of a hand-over file, checked: it is whole, and this program computes what its test vector says.
 
     **Raises:** as `load`.
     """
@@ -200,25 +230,40 @@ def read(path) -> dict:
             raise ValueError(f"its format is not {FORMAT!r}")
         if content.get("version") != VERSION:
             raise ValueError(f"its version is {content.get('version')!r}, this program reads {VERSION}; update it")
-        for name in ("parameters", "structure", "eye"):
+        for name in ("parameters", "structure", "eye", "provenance", "test_vector"):
             if name not in content:
                 raise ValueError(f"{name} is missing")
         _check_parameters(content["parameters"])
         _check_structure(content["structure"])
-        if content["eye"] is not None:
-            if not isinstance(content["eye"], dict) or "fps" not in content["eye"]:
-                raise ValueError("eye holds no fps")
-            _check_rate(content["eye"]["fps"])
+        _check_eye(content["eye"])
+        _check_test_vector(content["test_vector"], content["eye"])
+        _prove(content)
     except ValueError as error:
         raise ValueError(f"{path} is not a hand-over file that can be used: {error}") from None
     return content
 
 
+@np.errstate(all="ignore")
+def _prove(content):
+    vector = content["test_vector"]
+    model = HardLGMD2(content["parameters"], vector["fps"], **content["structure"])
+    response, expected = model(np.array(vector["frames"])), Response(**vector["response"])
+    found = first_difference(response, expected, vector["tolerance"])
+    if found is not None:
+        t, name = found
+        value, wanted = float(getattr(response, name)[t]), getattr(expected, name)[t]
+        raise ValueError(
+            f"its test vector does not come out: {name} of frame {t} is {value:.9g}, not {wanted:.9g}; "
+            "copy the file anew, or write it with lgmd2jax.save"
+        )
+
+
 def _lateral(d):
     """The four nearest neighbours at .25, the four diagonal ones at .125, the edge repeated beyond the border."""
-    d = np.pad(d, 1, mode="edge")
-    rows = d[:-2] + 2 * d[1:-1] + d[2:]
-    return (rows[:, :-2] + 2 * rows[:, 1:-1] + rows[:, 2:]) / 8 - d[1:-1, 1:-1] / 2
+    tall = np.concatenate((d[:1], d, d[-1:]))
+    rows = tall[:-2] + 2 * d + tall[2:]
+    wide = np.concatenate((rows[:, :1], rows, rows[:, -1:]), axis=1)
+    return (wide[:, :-2] + 2 * rows + wide[:, 2:]) / 8 - d / 2
 
 
 def _check_parameters(parameters):
@@ -246,9 +291,53 @@ def _check_structure(structure):
         raise ValueError(f"low_pass is {structure['low_pass']!r}; give 'backward_euler' or 'exact'")
 
 
+def _check_eye(eye):
+    if eye is None:
+        return
+    if not isinstance(eye, dict) or set(eye) != set(EYE):
+        raise ValueError(f"eye is {eye!r}; give {', '.join(EYE)}")
+    for name in ("rows", "cols"):
+        if type(eye[name]) is not int or eye[name] < 3:
+            raise ValueError(f"{name} is {eye[name]!r}; an eye has a whole number of at least 3 {name}")
+    for name in ("degrees_per_pixel", "fps"):
+        if not (_is_positive(eye[name]) or (eye[name] is None and name == "degrees_per_pixel")):
+            raise ValueError(f"{name} is {eye[name]!r}; give a positive number")
+    if eye["projection"] not in ("equidistant", "pinhole"):
+        raise ValueError(f"projection is {eye['projection']!r}; give 'equidistant' or 'pinhole'")
+
+
+def _check_test_vector(vector, eye):
+    if not isinstance(vector, dict) or set(vector) != set(TEST_VECTOR):
+        raise ValueError(f"test_vector does not hold {', '.join(TEST_VECTOR)}")
+    if not _is_positive(vector["fps"]) or (eye and eye["fps"] != vector["fps"]):
+        raise ValueError(f"the fps of test_vector is {vector['fps']!r}; it must be positive, and that of the eye")
+    if not (_is_positive(vector["tolerance"]) and vector["tolerance"] <= 1e-3):
+        raise ValueError(f"the tolerance of test_vector is {vector['tolerance']!r}; it must lie in (0, 0.001]")
+    frames, response = _array(vector["frames"]), vector["response"]
+    if not (frames.dtype.kind == "i" and frames.ndim == 3 and min(frames.shape) >= 3) or (frames & ~255).any():
+        raise ValueError("the frames of test_vector are not whole grey levels 0..255 of (time, row, col)")
+    if not isinstance(response, dict) or set(response) != set(Response._fields):
+        raise ValueError(f"the response of test_vector does not hold {', '.join(Response._fields)}")
+    for name, kinds in zip(Response._fields, ("fi", "fi", "fi", "fi", "i", "b"), strict=True):
+        channel = _array(response[name])
+        if channel.dtype.kind not in kinds or channel.shape != frames.shape[:1] or not np.isfinite(channel).all():
+            raise ValueError(f"{name} in the response of test_vector is not a finite value for each frame")
+
+
+def _array(nested):
+    try:
+        return np.array(nested)
+    except ValueError:  # lists of unequal lengths
+        return np.array(None)
+
+
 def _check_rate(fps):
-    if fps is not None and not (_is_finite(fps) and fps > 0):
+    if fps is not None and not _is_positive(fps):
         raise ValueError(f"fps is {fps!r}; give a positive number of frames per second")
+
+
+def _is_positive(value):
+    return _is_finite(value) and value > 0
 
 
 def _is_finite(value):

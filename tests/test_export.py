@@ -6,6 +6,7 @@ import pathlib
 import shutil
 import subprocess
 import sys
+from importlib.metadata import version
 
 import jax
 import jax.numpy as jnp
@@ -23,9 +24,16 @@ FRAMES = np.round(clips.loom(0, (12, 7, 9))).astype(np.uint8)
 SCHEMA = json.loads(pathlib.Path(lgmd.__file__).with_name("model.schema.json").read_text())
 
 
+@pytest.fixture(scope="session")
+def original(tmp_path_factory):
+    path = tmp_path_factory.mktemp("original") / "model.json"
+    lgmd.save(MODEL, path)
+    return path
+
+
 @pytest.fixture
-def path(tmp_path):
-    lgmd.save(MODEL, tmp_path / "model.json")
+def path(original, tmp_path):
+    shutil.copy(original, tmp_path / "model.json")
     return tmp_path / "model.json"
 
 
@@ -43,12 +51,14 @@ def test_round_trip(path):
     np.testing.assert_array_equal(loaded(FRAMES).smp_adapted, MODEL(FRAMES).smp_adapted)
 
 
-def test_soft_models_are_handed_over_hard(path, tmp_path):
-    lgmd.save(lgmd.LGMD2(MODEL.parameters, lgmd.Soft(), 1, "exact", 3, EYE), tmp_path / "soft.json")
+def test_soft_models_are_handed_over_hard(path, tmp_path, untyped):
+    """And an eye of 50 frames per second equals one of 50.0."""
+    eye = lgmd.Eye(rows=7, cols=9, degrees_per_pixel=2, fps=50)
+    lgmd.save(lgmd.LGMD2(MODEL.parameters, lgmd.Soft(), 1, "exact", 3, eye), tmp_path / "soft.json")
     assert (tmp_path / "soft.json").read_bytes() == path.read_bytes()
 
 
-def test_single_precision_is_written_short(tmp_path):
+def test_single_precision_is_written_short(tmp_path, untyped):
     single = jax.tree.map(lambda leaf: leaf.astype(jnp.float32), lgmd.LGMD2())
     lgmd.save(single, tmp_path / "model.json")
     assert '"w_bias": 0.3,' in (tmp_path / "model.json").read_text()
@@ -142,7 +152,29 @@ def test_numpy_model_at_another_rate_warns(path):
         (lambda content: content["structure"].update(n_p=-1), "n_p is -1"),
         (lambda content: content["structure"].update(low_pass="none"), "low_pass is 'none'"),
         (lambda content: content["eye"].update(fps=0), "fps is 0"),
-        (lambda content: content["eye"].pop("fps"), "eye holds no fps"),
+        (lambda content: content["eye"].update(rows=2), "rows is 2"),
+        (lambda content: content["eye"].update(degrees_per_pixel=float("inf")), "degrees_per_pixel is inf"),
+        (lambda content: content["eye"].update(projection="flat"), "projection is 'flat'"),
+        (lambda content: content["eye"].pop("fps"), "eye is .*; give rows, cols, degrees_per_pixel, fps"),
+        (
+            lambda content: (content["structure"].update(n_p=2), content["parameters"].update(u=-5)),
+            "u is -5 with n_p = 2: the persistence",
+        ),
+        (lambda content: content.pop("provenance"), "provenance is missing"),
+        (lambda content: content.pop("test_vector"), "test_vector is missing"),
+        (lambda content: content["test_vector"].pop("frames"), "test_vector does not hold fps, tolerance, frames"),
+        (lambda content: content["test_vector"].update(fps=25), "the fps of test_vector is 25"),
+        (lambda content: content["test_vector"].update(tolerance=1), "the tolerance of test_vector is 1"),
+        (lambda content: content["test_vector"].update(tolerance=float("nan")), "the tolerance of test_vector is nan"),
+        (lambda content: content["test_vector"]["frames"][3][2].pop(), "the frames of test_vector are not whole"),
+        (lambda content: content["test_vector"]["frames"][3][2].__setitem__(0, 256), "grey levels 0..255"),
+        (lambda content: content["test_vector"]["frames"][3][2].__setitem__(0, 1.5), "grey levels 0..255"),
+        (lambda content: content["test_vector"]["frames"][3][2].__setitem__(0, None), "grey levels 0..255"),
+        (lambda content: content["test_vector"]["response"].pop("mp"), "the response of test_vector does not hold mp"),
+        (lambda content: content["test_vector"]["response"]["mp"].pop(), "mp in the response of test_vector"),
+        (lambda content: content["test_vector"]["response"]["ffi"].__setitem__(0, float("nan")), "ffi in the response"),
+        (lambda content: content["test_vector"]["response"]["spikes"].__setitem__(0, "0"), "spikes in the response"),
+        (lambda content: content["test_vector"]["response"]["collision"].__setitem__(0, 0.5), "collision in the resp"),
     ],
 )
 @pytest.mark.parametrize("load", [lgmd.load, hard.load])
@@ -162,6 +194,23 @@ def test_what_is_not_a_hand_over_file_is_refused(tmp_path, load, content):
         load(tmp_path / "model.json")
     with pytest.raises(OSError, match="nowhere"):
         load(tmp_path / "nowhere.json")
+
+
+def test_provenance_is_carried_in_an_order_of_its_own(original, tmp_path, untyped):
+    lgmd.save(MODEL, tmp_path / "model.json", provenance={"seed": 3, "recipe": "mine"})
+    content = json.loads((tmp_path / "model.json").read_text())
+    assert list(content["provenance"]) == ["program", "recipe", "seed"]
+    assert content["provenance"] == {"program": f"lgmd2jax {version('lgmd2jax')}", "recipe": "mine", "seed": 3}
+    assert content | {"provenance": None} == json.loads(original.read_text()) | {"provenance": None}
+    jsonschema.validate(content, SCHEMA)
+
+
+@pytest.mark.parametrize("provenance", [{"program": "mine"}, {"loss": float("nan")}, {"curves": [1, 2]}, {3: "three"}])
+def test_other_provenance_is_refused_and_leaves_the_old_file(path, untyped, provenance):
+    before = path.read_bytes()
+    with pytest.raises(ValueError, match="provenance has"):
+        lgmd.save(MODEL, path, provenance=provenance)
+    assert path.read_bytes() == before
 
 
 def test_a_batch_is_refused_and_leaves_the_old_file(path):

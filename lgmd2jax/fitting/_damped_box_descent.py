@@ -94,6 +94,7 @@ def _box_minimum(
         hit = free & (fraction <= reach)
         return jnp.where(hit, bound, jnp.clip(d + reach * move, low, high)), free & ~hit, jnp.any(hit)
 
+    # Left free, those that push outwards would take others to the bound with them that could leave it.
     held = (low == high) | ((low == 0) & (gradient > 0)) | ((high == 0) & (gradient < 0))
     start = jnp.zeros_like(gradient), ~held, jnp.array(True)
     d, _, _ = jax.lax.while_loop(lambda carry: carry[2] & jnp.any(carry[1]), stage, start)

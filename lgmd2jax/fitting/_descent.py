@@ -2,7 +2,7 @@
 
 import dataclasses
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import equinox as eqx
@@ -39,6 +39,12 @@ class Run:
     soft_loss: float
     history: tuple[tuple[float, ...], ...]
     result: str
+
+    @classmethod
+    def of(cls, plain: Mapping[str, Any]) -> "Run":
+        """From plain data, as JSON gives it back."""
+        history = tuple(tuple(losses) for losses in plain["history"])
+        return cls(**{**plain, "start": tuple(plain["start"]), "z": tuple(plain["z"]), "history": history})
 
     @property
     def steps(self) -> int:
@@ -101,10 +107,17 @@ def solve(
         y, state, done, ended, loss = _step(solver, problem, temperature_, y, state)
         losses.append(float(loss))
         if done or (stop is not None and stop.is_set()):
-            good = ended == optx.RESULTS.successful
-            result = ("converged" if good else str(optx.RESULTS[ended])) if done else "stopped by hand"
+            result = _reason(ended) if done else "stopped by hand"
             break
     return np.asarray(_bound(solver, y)), losses, result
+
+
+def _reason(ended: optx.RESULTS) -> str:
+    if ended == optx.RESULTS.successful:
+        return "converged"
+    if ended == optx.RESULTS.nonlinear_divergence:
+        return "no step lowers the loss any more"
+    return str(optx.RESULTS[ended])
 
 
 def _fn(solver: Solver):

@@ -13,7 +13,7 @@ from lgmd2jax._model import LGMD2
 from lgmd2jax._observation import Observation, observation_symbols
 from lgmd2jax._parameters import nearest
 from lgmd2jax._target import Target
-from lgmd2jax._thresholds import Hard
+from lgmd2jax._thresholds import Soft, StraightThrough
 from lgmd2jax.fitting import _descent
 from lgmd2jax.fitting._bounded import BoundedLevenbergMarquardt
 from lgmd2jax.fitting._conditions import Given, rendered
@@ -121,7 +121,7 @@ def fit(
         if not chosen:
             raise RuntimeError("no point of the search gave a finite loss; check targets and bounds")
         _descent.solve(problem, points[0], temperatures[0], solver, 1)  # compiled here, before the threads need it
-        runs = [Run(**it) for it in work.do("descending", run, chosen).values()]
+        runs = [Run.of(it) for it in work.do("descending", run, chosen).values()]
         stopped = work.stop.is_set()
     runs = sorted(runs, key=lambda it: it.loss) or [_not_run(screened[chosen[0]])]
     result = "stopped by hand" if stopped else runs[0].result
@@ -142,7 +142,8 @@ def fit(
 
 def _temperatures(model: LGMD2, temperatures) -> tuple[float, ...]:
     if temperatures is None:
-        temperatures = TEMPERATURES if isinstance(model.thresholds, Hard) else [model.thresholds.temperature]
+        own = model.thresholds
+        temperatures = [own.temperature] if isinstance(own, Soft | StraightThrough) else TEMPERATURES
     temperatures = tuple(float(it) for it in temperatures)
     if not temperatures or not all(np.isfinite(it) and it > 0 for it in temperatures):
         raise ValueError(f"temperatures is {temperatures}; give one or more positive numbers")
@@ -191,4 +192,5 @@ def _apart(screened: dict[int, dict[str, Any]], count: int) -> list[int]:
 
 
 def _not_run(point: dict[str, Any]) -> Run:
-    return Run(point["z"], point["z"], point["loss"], point["loss"], float("inf"), (), "stopped by hand")
+    z, loss = tuple(point["z"]), point["loss"]
+    return Run(z, z, loss, loss, float("inf"), (), "stopped by hand")

@@ -192,7 +192,7 @@ def _freedom(name: str, choice) -> Freedom:
         except (TypeError, ValueError):
             raise ValueError(f"{name} is free in {choice!r}; give (low, high), None, Linear, Log or Tie") from None
         choice = Linear(low, high)
-    scale = {Linear: "linear", Log: "log"}.get(type(choice), symbol.scale)
+    scale = "linear" if isinstance(choice, Linear) else "log" if isinstance(choice, Log) else symbol.scale
     low = float(symbol.bounds[0] if choice.low is None else choice.low)
     high = float(symbol.bounds[1] if choice.high is None else choice.high)
     if not low < high:

@@ -104,4 +104,5 @@ def _errors(problem: Problem, variance: float) -> dict[str, float]:
         for slot in batch.slots:
             scale = np.asarray(slot.scale) / np.sqrt(np.asarray(slot.thinning))[:, None]
             rows.setdefault(slot.channel, []).append(scale[scale > 0])
-    return {channel: float(np.sqrt(variance) / np.median(np.concatenate(scales))) for channel, scales in rows.items()}
+    noise = max(float(np.sqrt(variance)), 1e-9)  # a twin without noise has none
+    return {channel: noise / float(np.median(np.concatenate(scales))) for channel, scales in rows.items()}

@@ -24,7 +24,9 @@ PIXEL_PARAMETERS = ("theta1", "theta2", "theta3", "tau1", "w_bias", "sigma1", "T
 # Far beyond any kernel: no smoothing reaches from a frame that a clip has into one that only fills up its batch.
 _FAR_MS = 1e6
 
-Potentials = tuple[tuple[Float[Array, "condition time"], Float[Array, "condition time"]], ...]
+# Of every batch, each of its own size: MP and F, and the curve of each slot; (condition, time).
+Potentials = tuple[tuple[Float[Array, "_ _"], Float[Array, "_ _"]], ...]
+Curves = list[list[Float[Array, "_ _"]]]
 
 
 class Slot(eqx.Module):
@@ -96,9 +98,7 @@ class Problem(eqx.Module):
 
         return tuple(one(batch) for batch in self.batches)
 
-    def curves(
-        self, model: LGMD2, observation: Observation, seen: Potentials
-    ) -> list[list[Float[Array, "condition time"]]]:
+    def curves(self, model: LGMD2, observation: Observation, seen: Potentials) -> Curves:
         """The predicted curve of every slot of every batch."""
         curves = []
         for batch, (mp, f) in zip(self.batches, seen, strict=True):
@@ -106,14 +106,14 @@ class Problem(eqx.Module):
 
             def one(mp, f, interval, time, batch=batch, pixels=pixels):
                 out = channels(model, mp, f, interval, pixels)
-                names = {slot.channel for slot in batch.slots}
-                out["rate"] = observation(out["smp_adapted"], time) if "rate" in names else None
+                if any(slot.channel == "rate" for slot in batch.slots):
+                    out["rate"] = observation(out["smp_adapted"], time)
                 return [out[slot.channel] for slot in batch.slots]
 
             curves.append(jax.vmap(one)(mp, f, batch.interval, batch.time))
         return curves
 
-    def differences(self, curves: list[list[Float[Array, "condition time"]]]) -> Float[Array, " n"]:
+    def differences(self, curves: Curves) -> Float[Array, " n"]:
         """(curve - target) in standard errors, robust if so wished; 0 where there is no target."""
         rows = [
             (slot.scale * (curve - slot.values)).ravel()

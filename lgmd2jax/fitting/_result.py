@@ -1,24 +1,25 @@
 """What a fit found, and what can be asked of it."""
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Array, Float
 from scipy import stats
 
 from lgmd2jax._model import LGMD2
 from lgmd2jax._observation import Observation
 from lgmd2jax._parameters import Parameters, symbols
 from lgmd2jax._protocol import Condition
-from lgmd2jax._target import Target
+from lgmd2jax._target import Channel, Target
 from lgmd2jax._thresholds import Hard
 from lgmd2jax.fitting._curve import DISAGREEMENT, Curve, observed
 from lgmd2jax.fitting._descent import Run
 from lgmd2jax.fitting._free import Free
 from lgmd2jax.fitting._next_stimulus import Candidate, ranked
+from lgmd2jax.fitting._posterior import Posterior, posterior
 from lgmd2jax.fitting._problem import Problem, problem_of, replaced, softened
 from lgmd2jax.fitting._profile import Profile, profile
 from lgmd2jax.fitting._report import Extra, html, text
@@ -91,11 +92,11 @@ class Fit:
         return replaced(self.model, self.model.parameters, Hard())
 
     @property
-    def channels(self) -> tuple[str, ...]:
+    def channels(self) -> tuple[Channel, ...]:
         """The channels that had targets, the rate first."""
         return tuple(sorted({curve.channel for curve in self.curves}, key=lambda name: (name != "rate", name)))
 
-    def predict(self, condition: Condition | Stimulus, channel: str | None = None) -> Float[np.ndarray, " time"]:
+    def predict(self, condition: Condition | Stimulus, channel: Channel | None = None) -> Float[np.ndarray, " time"]:
         """The fitted channel for any stimulus, by `model`, at its frames.
 
         **Arguments:** `channel`: by default the rate, where one was fitted, else the first of `channels`.
@@ -108,18 +109,14 @@ class Fit:
 
         **Raises:** `ValueError` for a parameter that is not free, and for a fit that was read from a folder.
         """
-        problem, u = self._with_data("profile"), self.uncertainty
         if name not in self.free.names:
             raise ValueError(f"{name!r} is not free in this fit; choose {', '.join(self.free.names)}")
-        known, priors = problem.known(), len(self.free.penalties(self.z))
-        rows = np.flatnonzero(np.concatenate([known, np.ones(priors, bool)]))
-        share = np.concatenate([1 / problem.thinning()[known], np.full(priors, u.variance)])
-        temperature, index = jnp.asarray(self.temperatures[-1], dtype=float), self.free.names.index(name)
+        residuals, u, index = self._independent_residuals("profile"), self.uncertainty, self.free.names.index(name)
         # With errors that are only relative the rise is measured by the residual variance, which is known so well.
         quantile = stats.chi2.ppf(confidence, 1) if u.absolute else stats.f.ppf(confidence, 1, u.degrees_of_freedom)
         step = 2 * float(np.sqrt(u.covariance_z[index, index]))
         return profile(
-            lambda z: problem.residuals(z, temperature)[rows] * np.sqrt(share),
+            residuals,
             self.z,
             index,
             variance=u.variance,
@@ -127,6 +124,20 @@ class Fit:
             step=min(max(step, 1e-4), 0.25),
             value=lambda z: float(self.free.freedoms[index].value(z)),
         )
+
+    def sample(self, key: Array, draws: int = 1000, chains: int = 4) -> Posterior:
+        """Draws of the free parameters given the curves, uniform within the bounds beforehand (extra `bayes`).
+
+        They lie in the unit box; `values_of` maps them to the parameters' own units.
+
+        **Raises:** `ValueError` for a fit that was read from a folder, and without the extra.
+        """
+        residuals = self._independent_residuals("sample")
+        return posterior(residuals, self.z, key=key, variance=self.uncertainty.variance, draws=draws, chains=chains)
+
+    def values_of(self, draws: Posterior) -> dict[str, Float[np.ndarray, "chain draw"]]:
+        """The draws by parameter, in its own unit."""
+        return {it.name: np.asarray(it.value(draws.z[..., i])) for i, it in enumerate(self.free.freedoms)}
 
     def next_stimulus(self, candidates: Sequence[Condition | Stimulus]) -> list[Candidate]:
         """Which stimulus to record next: the one that narrows the intervals most. The best stands first."""
@@ -186,7 +197,13 @@ class Fit:
         z = self.z[self.free.names.index(name)]
         return bool(min(z, 1 - z) < ON_BOUND)
 
-    def _with_data(self, what: str) -> Problem:
+    def _independent_residuals(self, what: str) -> Callable[[Float[Array, " free"]], Float[Array, " n"]]:
+        """The residuals at the last temperature, so scaled that correlated ones count as fractions of a sample."""
         if self.problem is None:
             raise ValueError(f"{what} needs the targets, which a result folder does not hold; make the fit anew")
-        return self.problem
+        problem, known = self.problem, self.problem.known()
+        priors = len(self.free.penalties(self.z))
+        rows = np.flatnonzero(np.concatenate([known, np.ones(priors, bool)]))
+        share = np.concatenate([1 / problem.thinning()[known], np.full(priors, self.uncertainty.variance)])
+        temperature = jnp.asarray(self.temperatures[-1], dtype=float)
+        return lambda z: problem.residuals(z, temperature)[rows] * np.sqrt(share)

@@ -43,15 +43,18 @@ def search_cell(
 
     **Arguments:** `cells` in the unit box. The cell of `z` itself is tried too, then the neighbourhood of the best.
     """
-    z = jnp.asarray(z)
-    own = z[jnp.asarray(problem.cell_indices, dtype=int)]
+    z, place = jnp.asarray(z), jnp.asarray(problem.cell_indices, dtype=int)
     model, _ = problem.at(z)
     seen = problem.potentials(model)
-    first = _best(problem, seen, z, jnp.concatenate([own[None], jnp.asarray(cells)]))
-    around = first.z[jnp.asarray(problem.cell_indices, dtype=int)][None] + 2 * _RADIUS * (jnp.asarray(cells) - 0.5)
-    second = _best(problem, seen, first.z, jnp.clip(around, 0, 1))
-    better = second.loss < first.loss
-    return Found(jnp.where(better, second.z, first.z), jnp.minimum(first.loss, second.loss), first.loss_before)
+
+    def look(best: Found, around):
+        centre, radius = jnp.where(around, best.z[place], 0.5), jnp.where(around, _RADIUS, 0.5)
+        tried = jnp.clip(centre[None] + 2 * radius * (jnp.asarray(cells) - 0.5), 0, 1)
+        now = _best(problem, seen, best.z, jnp.concatenate([best.z[place][None], tried]))
+        return now._replace(loss_before=jnp.where(around, best.loss_before, now.loss_before)), None
+
+    unknown = jnp.full((), jnp.inf, z.dtype)
+    return jax.lax.scan(look, Found(z, unknown, unknown), jnp.array([False, True]))[0]
 
 
 def _best(problem: Problem, seen: Potentials, z: Float[Array, " free"], cells: Float[Array, "count cell"]) -> Found:

@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from lgmd2jax.fitting._problem import Problem
+from lgmd2jax.fitting._problem import Curves, Problem
 
 
 class Sensitivity(NamedTuple):
@@ -15,8 +15,8 @@ class Sensitivity(NamedTuple):
 
     residuals: Float[Array, " n"]
     jacobian: Float[Array, "n free"]
-    curves: list[list[Float[Array, "condition time"]]]
-    slopes: list[list[Float[Array, "condition time free"]]]
+    curves: Curves
+    slopes: list[list[Float[Array, "_ _ free"]]]
 
 
 @eqx.filter_jit

@@ -41,7 +41,7 @@ class Work:
         self._bar.reset(total=len(numbers))
         self._bar.set_description(kind)
         self._bar.update(len(done))
-        wide = jax.config.jax_enable_x64  # a context of the calling thread, perhaps
+        wide = jax.config.read("jax_enable_x64")  # a context of the calling thread, perhaps
 
         def one(number: int) -> dict[str, Any]:
             with jax.enable_x64(wide):

@@ -155,6 +155,30 @@ def test_all_of_64_noisy_starts_converge_under_vmap(solved):
     np.testing.assert_allclose(values, np.broadcast_to(best.x, (64, 3)), rtol=1e-6)
 
 
+def test_many_active_bounds_end_where_no_feasible_step_leads_down():
+    """Random saturating problems in eight variables, half of which end on a bound, some having left another one."""
+    rng = np.random.default_rng(0)
+    slopes, data, starts = rng.normal(size=(100, 20, 8)), rng.normal(size=(100, 20)), rng.uniform(size=(100, 8))
+    starts = np.where(starts < 0.3, 0, starts)
+
+    def residuals(y, args):
+        slopes, data = args
+        return jnp.tanh(slopes @ y) + 0.3 * (slopes @ y) - data
+
+    @jax.jit
+    @jax.vmap
+    def ended(y0, args):
+        solution = optx.least_squares(residuals, solver(0, 1), y0, args, throw=False)
+        y = solution.value
+        gradient = jax.grad(lambda y: 0.5 * jnp.sum(residuals(y, args) ** 2))(y)
+        return y, solution.result == optx.RESULTS.successful, jnp.clip(y - gradient, 0, 1) - y
+
+    values, successful, downhill = ended(starts, (slopes, data))
+    assert successful.all()
+    np.testing.assert_allclose(downhill, 0, atol=1e-6)
+    assert 0.4 < np.mean((values == 0) | (values == 1)) < 0.6
+
+
 def test_driven_by_hand_as_by_optimistix():
     residuals, args, start, lower, upper, _, _ = PROBLEMS["on one bound"]
     given, y = solver(lower, upper), jnp.asarray(start, float)

@@ -1,0 +1,153 @@
+"""The test vector of a hand-over file: a short clip, and the response that whatever loads the file must give to it.
+
+What excites one parameter set leaves another silent, so the clip is searched for among seeded ones. It is one that
+
+- keeps clear of thresholds: moved a little, none of them changes the response, so float32 and C pass;
+- exercises most branches: forbid one, and the response changes;
+- tells most neighbours apart: with a threshold a quarter higher or lower (T_sfa: ten times), the response changes.
+"""
+
+import copy
+import math
+from collections.abc import Mapping
+
+import numpy as np
+from jaxtyping import Float
+
+from lgmd2jax import hard
+
+FRAMES, ROWS, COLS = 24, 8, 10
+TOLERANCE = 1e-5  # float32 stays below 1e-6
+CLEARANCE = 3e-5
+CLIPS, UNRELATED = 160, 40  # how many are tried; after the first ones, each is a variation of the best
+FPS_WITHOUT_EYE = 30.0
+THRESHOLDS = ("T_s", "T_ffi", "T_sfa", "T_sp", "sigma_sp", "N_sp")
+
+Frames = Float[np.ndarray, "time row col"]
+Plan = Float[np.ndarray, "time 7"]
+
+
+def make_test_vector(parameters: Mapping[str, float], structure: Mapping, fps: float | None) -> dict:
+    """The test vector of a model as it stands in the hand-over file. Equal models have equal ones.
+
+    **Arguments:** `parameters` and `structure` as in the file; `fps` of the eye, None without one.
+    """
+    fps = FPS_WITHOUT_EYE if fps is None else fps
+    trial = _search(hard.HardLGMD2(parameters, **structure), 1000 / fps)
+    response = {name: channel.tolist() for name, channel in trial.response._asdict().items()}
+    for name in ("mp", "ffi", "smp", "smp_adapted"):
+        response[name] = [float(f"{value:.9g}") for value in response[name]]
+    return {"fps": fps, "tolerance": TOLERANCE, "frames": trial.frames.astype(int).tolist(), "response": response}
+
+
+class _Trial:
+    """A clip on trial: the response to it, and what that becomes with other thresholds.
+
+    The maps of the S layer hang on no threshold, so they are computed once.
+    """
+
+    def __init__(self, model: hard.HardLGMD2, frames: Frames, interval: float):
+        self.frames, self._model, self._interval = frames, copy.copy(model), interval
+        self._model._start(frames[0])
+        self._s, self._f = zip(*(self._model._pixels(frame, interval) for frame in frames), strict=True)
+        self._mp = [self._model._potential(s) for s in self._s]
+        self.response = self._respond({})
+
+    def _respond(self, thresholds):
+        model = copy.copy(self._model)
+        model.parameters = {**model.parameters, **thresholds}
+        model._start(self.frames[0])
+        mp = [model._potential(s) for s in self._s] if "T_s" in thresholds else self._mp
+        now = (
+            model._cell(*potentials, self.frames[0].size, self._interval)
+            for potentials in zip(mp, self._f, strict=True)
+        )
+        return hard.Response.over_time(now)
+
+    def _changes(self, tolerance, name, value):
+        """Whether the response is another one with this threshold."""
+        return hard.first_difference(self._respond({name: value}), self.response, tolerance) is not None
+
+    def is_clear(self) -> bool:
+        """Whether no rounding can carry a value across a threshold.
+
+        A rise of 0, at rest, is exact, so T_sfa may come close to it. N_sp is compared with whole numbers.
+        """
+        v = self._model.parameters
+        s, ffi = min(CLEARANCE * float(np.abs(self._s).max()), v["T_s"] / 2), CLEARANCE * v["T_ffi"]
+        shifts = {
+            "T_s": (-s, s),
+            "T_ffi": (-ffi, ffi),
+            "T_sfa": (-min(CLEARANCE, abs(v["T_sfa"]) / 2), CLEARANCE),
+            "T_sp": (-CLEARANCE, CLEARANCE),
+            "sigma_sp": (-CLEARANCE, CLEARANCE),
+        }
+        moved = ((name, v[name] + shift) for name, pair in shifts.items() for shift in pair)
+        return not any(self._changes(TOLERANCE / 10, name, value) for name, value in moved)
+
+    def branches(self) -> list[tuple[str, float]]:
+        """The branches that are exercised, of two at each threshold: the response changes where one is forbidden."""
+        return self._shown(
+            (name, end) for name in THRESHOLDS for end in (0.0 if name == "sigma_sp" else -math.inf, math.inf)
+        )
+
+    def neighbours(self) -> list[tuple[str, float]]:
+        """The neighbouring thresholds with which the response changes."""
+        v, factors = self._model.parameters, dict.fromkeys(THRESHOLDS, 1.25) | {"T_sfa": 10.0}
+        return self._shown((name, v[name] * by) for name, factor in factors.items() for by in (factor, 1 / factor))
+
+    def _shown(self, thresholds):
+        return [(name, value) for name, value in thresholds if self._changes(TOLERANCE, name, value)]
+
+
+@np.errstate(all="ignore")  # where a set overflows, it is not clear of thresholds
+def _search(model: hard.HardLGMD2, interval: float) -> _Trial:
+    """The clear trial with most branches, then most neighbours; a clip that stands still where none is clear.
+
+    The best trial for each of them is kept, and each serves in turn: what varies it may combine it with the rest.
+    """
+    generator = np.random.default_rng(0)
+    texture = generator.random((FRAMES, ROWS, COLS))
+    time = np.arange(FRAMES)[:, None]
+    still = np.zeros((FRAMES, 7))
+    first = (0, 0), _Trial(model, _clip(still, texture), interval), still
+    best = {}
+    for number in range(CLIPS):
+        # Even or varied, weak or strong: what excites the set is not known beforehand.
+        varied, weak = generator.random(2)
+        plan = varied * generator.random(still.shape) + (1 - varied) * generator.random(7)
+        plan[:, 1:4] **= 8.0 ** (2 * weak - 1)
+        if number >= UNRELATED:
+            start, end = np.sort(generator.integers(0, FRAMES + 1, 2))
+            bases = list({id(entry): entry for entry in best.values()}.values()) or [first]
+            plan = np.where((time >= start) & (time < end), plan, bases[number % len(bases)][2])
+        trial = _Trial(model, _clip(plan, texture), interval)
+        branches, neighbours = trial.branches(), trial.neighbours()
+        entry = (len(branches), len(neighbours)), trial, plan
+        better = [shown for shown in branches + neighbours if entry[0] > best.get(shown, first)[0]]
+        if better and trial.is_clear():
+            best |= dict.fromkeys(better, entry)
+    return max(best.values(), key=lambda entry: entry[0], default=first)[1]
+
+
+def _clip(plan: Plan, texture: Frames) -> Frames:
+    """Whole grey levels 0..255: in each frame a textured rectangle turns darker or brighter, or nothing moves.
+
+    **Arguments:** `plan` holds for each frame, in [0, 1): whether something moves, its contrast, height and width, the
+    direction, the place from above and from the left. `texture` lies in [0, 1).
+    """
+    frame = np.round(108 + 40 * texture[0])
+    frames = [frame]
+    for (moves, contrast, height, width, direction, above, left), rough in zip(plan[1:], texture[1:], strict=True):
+        if moves > 0.4:
+            either_way = np.where(rough < 0.5, 1, -1)
+            sign = 1 if direction < 0.4 else -1 if direction < 0.8 else either_way
+            step = sign * 125**contrast * (1 + rough)  # 1..250 grey levels
+            step = np.where((frame + step < 0) | (frame + step > 255), -step, step)
+            rows, cols = int(1 + height * ROWS), int(1 + width * COLS)
+            top, side = int(above * (ROWS - rows + 1)), int(left * (COLS - cols + 1))
+            place = np.s_[top : top + rows, side : side + cols]
+            frame = frame.copy()
+            frame[place] = np.round(np.clip(frame + step, 0, 255))[place]
+        frames.append(frame)
+    return np.array(frames)

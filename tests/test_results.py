@@ -1,0 +1,94 @@
+"""A fit's folder: what is written comes back, and predicts the same."""
+
+import csv
+import dataclasses
+import json
+import shutil
+
+import numpy as np
+import pytest
+
+import lgmd2jax as lgmd
+from tests.fitting.fits import curve, made
+
+FREE = lgmd.Free(theta2=None, tau1=None, gain=None, theta1=lgmd.Tie("theta2", 0.5))
+FILES = ["curves.csv", "diagnostics.png", "fit.json", "fit.png", "model.json", "report.html", "report.txt"]
+
+
+@pytest.fixture(scope="module")
+def fit():
+    observed = curve("recorded", "rate", sem=np.full(30, 2.0), seed=3)
+    return made(FREE, [curve(), curve(seed=1), observed], observation=lgmd.Observation(latency=33.0), z=[0.2, 1.0, 0.3])
+
+
+@pytest.fixture(scope="module")
+def folder(fit, tmp_path_factory):
+    path = tmp_path_factory.mktemp("results") / "fit"
+    lgmd.save_fit(fit, path, provenance={"recipe": "mine"}, made={"digest": "abc"})
+    return path
+
+
+def test_the_folder_holds_all(folder):
+    assert sorted(path.name for path in folder.iterdir()) == FILES
+    assert json.loads((folder / "model.json").read_text())["provenance"]["recipe"] == "mine"
+    assert json.loads((folder / "fit.json").read_text())["digest"] == "abc"
+
+
+def test_what_was_written_comes_back(fit, folder):
+    again = lgmd.load_fit(folder)
+    assert again.summary() == fit.summary()
+    assert again.values == fit.values
+    assert again.free == fit.free
+    assert again.runs == fit.runs
+    assert again.observation.latency == 33
+    np.testing.assert_array_equal(again.covariance, fit.covariance)
+    np.testing.assert_array_equal(again.uncertainty.on_bound, fit.uncertainty.on_bound)
+    assert again.uncertainty.determined.dtype == bool
+    for one, two in zip(again.curves, fit.curves, strict=True):
+        assert (one.condition, one.channel) == (two.condition, two.channel)
+        np.testing.assert_allclose(one.hard, two.hard, rtol=1e-8)
+        np.testing.assert_array_equal(np.isnan(one.sem), np.isnan(two.sem))
+    stimulus = lgmd.stimuli.looming(
+        lgmd.Eye(8, 10, 8.0, 60.0), l_over_v=20.0, contrast=-0.9, start_ms=-300.0, end_ms=100.0
+    )
+    np.testing.assert_array_equal(again.predict(stimulus), fit.predict(stimulus))
+    with pytest.raises(ValueError, match="profile needs the targets"):
+        again.profile("tau1")
+
+
+def test_curves_are_a_table(folder):
+    with open(folder / "curves.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert list(rows[0]) == ["condition", "channel", "time_ms", "target", "sem", "weight", "soft", "hard", "band"]
+    assert len(rows) == 90
+    assert rows[0]["sem"] == ""
+    assert rows[-1]["sem"] == "2"
+
+
+def test_soft_thresholds_come_back(fit, tmp_path):
+    model = dataclasses.replace(fit.model, thresholds=lgmd.Soft(0.7))
+    lgmd.save_fit(dataclasses.replace(fit, model=model), tmp_path / "soft")
+    thresholds = lgmd.load_fit(tmp_path / "soft").model.thresholds
+    assert isinstance(thresholds, lgmd.Soft)
+    assert thresholds.temperature == 0.7
+
+
+@pytest.mark.parametrize(
+    ("spoil", "message"),
+    [
+        (lambda folder: (folder / "fit.json").unlink(), "there is no fit.json"),
+        (lambda folder: (folder / "fit.json").write_text("{}"), "its format is not 'lgmd2jax-fit'"),
+        (lambda folder: (folder / "fit.json").write_text("{"), "no fit that can be used"),
+        (lambda folder: (folder / "model.json").write_text("{}"), "not a hand-over file"),
+    ],
+)
+def test_a_spoilt_folder_is_refused(folder, tmp_path, spoil, message):
+    folder = shutil.copytree(folder, tmp_path / "fit")
+    spoil(folder)
+    with pytest.raises(ValueError, match=message):
+        lgmd.load_fit(folder)
+
+
+def test_a_folder_that_is_not_there_names_the_shipped_ones():
+    with pytest.raises(FileNotFoundError, match="dcmd"):
+        lgmd.load_fit("dmcd")
