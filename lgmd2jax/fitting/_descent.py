@@ -28,7 +28,7 @@ class Run:
     - `start`, `z`: first and best point in the unit box.
     - `start_loss`, `loss`: of the model with its own thresholds at these points.
     - `soft_loss`: at the last temperature, where the descent ended.
-    - `history`: loss after every step, a list for each temperature.
+    - `history`: loss after every step, a list for each temperature; the last one again where it was gone on with.
     - `result`: `"converged"`, or why the solver stopped at the last temperature.
     """
 
@@ -70,22 +70,41 @@ def descend(
     """
     before = search_cell(problem, start, cells)
     candidates = [(float(before.loss_before), np.asarray(start)), (float(before.loss), np.asarray(before.z))]
-    z, history, result, soft_loss = candidates[1][1], [], "stopped by hand", np.inf
+    begun = Run(tuple(map(float, start)), (), candidates[0][0], np.inf, np.inf, (), "stopped by hand")
+    return _annealed(problem, begun, candidates, cells, temperatures, solver, max_steps, stop, told)
+
+
+def finish(
+    problem: Problem,
+    run: Run,
+    cells: Float[np.ndarray, "count cell"],
+    *,
+    temperature: float,
+    solver: Solver,
+    max_steps: int,
+    stop: threading.Event | None = None,
+    told: Callable[[float], Any] = lambda loss: None,
+) -> Run:
+    """Go on with a run at its last temperature, from its best point."""
+    candidates = [(run.loss, np.array(run.z))]
+    return _annealed(problem, run, candidates, cells, [temperature], solver, max_steps, stop, told)
+
+
+def _annealed(problem: Problem, run: Run, candidates, cells, temperatures, solver, max_steps, stop, told) -> Run:
+    z, history, result, soft_loss = candidates[-1][1], list(run.history), run.result, run.soft_loss
     for temperature in temperatures:
         steps = max_steps if temperature == temperatures[-1] else min(max_steps, _ON_THE_WAY)
         if stop is not None and stop.is_set():
             break
         z, losses, result = solve(problem, z, temperature, solver, steps, stop)
         history.append(tuple(losses))
-        soft_loss = losses[-1] if losses else np.inf
+        soft_loss = losses[-1]
         after = search_cell(problem, z, cells)
         candidates += [(float(after.loss_before), z), (float(after.loss), np.asarray(after.z))]
         told(min(loss for loss, _ in candidates))
         z = np.asarray(after.z)
     loss, z = min(candidates, key=lambda candidate: candidate[0])
-    return Run(
-        tuple(map(float, start)), tuple(map(float, z)), candidates[0][0], loss, soft_loss, tuple(history), result
-    )
+    return Run(run.start, tuple(map(float, z)), run.start_loss, loss, soft_loss, tuple(history), result)
 
 
 def solve(

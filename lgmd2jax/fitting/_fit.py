@@ -30,6 +30,7 @@ from lgmd2jax.stimuli import Stimulus
 TEMPERATURES = (0.5, 0.2, 0.05)
 # Of the residuals' norm: what is left to fall is then the square of it, far below what curves can tell.
 RTOL, ATOL = 3e-3, 1e-8
+_FURTHER = 5  # times the steps of all others, for the best descent to converge
 _APART = 0.02  # in the unit box; starts closer to a better one are not descended
 
 
@@ -46,7 +47,7 @@ def fit(
     descend: int = 4,
     loss: Loss = "squares",
     solver: Solver | None = None,
-    max_steps: int = 100,
+    max_steps: int = 60,
     absolute_errors: bool | None = None,
     throw: bool = False,
     progress: bool = False,
@@ -69,7 +70,8 @@ def fit(
     - `descend`: how many of the best points are descended.
     - `loss`: `"squares"`, or `"huber"`, `"soft_l1"`, `"cauchy"`, which outliers cannot pull far.
     - `solver`: any optimistix least-squares solver or minimiser; by default the bounded Levenberg-Marquardt.
-    - `max_steps`: of the solver at the last temperature; at those before, 20 suffice.
+    - `max_steps`: of the solver at the last temperature; at those before, 20 suffice. The best descent gets five times
+      as many to converge.
     - `absolute_errors`: whether the targets' errors are believed as they are; by default where all targets have them.
       Otherwise they are weights, and the residual variance sets the scale of all uncertainty.
     - `throw`: whether to raise `RuntimeError` where the result is not `"converged"`.
@@ -102,17 +104,14 @@ def fit(
             return {"z": np.asarray(found.z).tolist(), "loss": float(found.loss)}
 
         def run(number: int) -> dict[str, Any]:
-            way_down = _descent.descend(
-                problem,
-                np.array(screened[number]["z"]),
-                cells(number),
-                temperatures=temperatures,
-                solver=solver,
-                max_steps=max_steps,
-                stop=work.stop,
-                told=work.saw,
-            )
-            return asdict(way_down)
+            z = np.array(screened[number]["z"])
+            settings = {"temperatures": temperatures, "solver": solver, "max_steps": max_steps}
+            return asdict(_descent.descend(problem, z, cells(number), **settings, stop=work.stop, told=work.saw))
+
+        def finish(number: int) -> dict[str, Any]:
+            settings = {"temperature": temperatures[-1], "solver": solver, "max_steps": _FURTHER * max_steps}
+            best = Run.of(descended[number])
+            return asdict(_descent.finish(problem, best, cells(number), **settings, stop=work.stop, told=work.saw))
 
         screened = work.do("screening", screen, range(len(points)))
         if not screened:
@@ -120,9 +119,12 @@ def fit(
         chosen = _apart(screened, descend)
         if not chosen:
             raise RuntimeError("no point of the search gave a finite loss; check targets and bounds")
-        _descent.solve(problem, points[0], temperatures[0], solver, 1)  # compiled here, before the threads need it
-        runs = [Run.of(it) for it in work.do("descending", run, chosen).values()]
-        stopped = work.stop.is_set()
+        _descent.solve(problem, points[0], temperatures[0], solver, 1)  # compiles here, before the threads need it
+        descended = work.do("descending", run, chosen)
+        best = min(descended, key=lambda number: descended[number]["loss"], default=None)
+        if best is not None and descended[best]["result"] != "converged":
+            descended |= work.do("finishing", finish, [best])
+        runs, stopped = [Run.of(it) for it in descended.values()], work.stop.is_set()
     runs = sorted(runs, key=lambda it: it.loss) or [_not_run(screened[chosen[0]])]
     result = "stopped by hand" if stopped else runs[0].result
     if throw and result != "converged":
