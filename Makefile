@@ -1,4 +1,4 @@
-# make fit    set everything up, fit the shipped recipe, leave the results in fits/dcmd/
+# make fit    set everything up, fit the LGMD2 to its target curves, leave the results in fits/lgmd2/
 # make test   set everything up, run the tests
 # make lint   set everything up, check style and types
 PYTHON ?= python3
@@ -6,7 +6,7 @@ VENV ?= .venv
 
 .PHONY: fit test lint
 fit: $(VENV)/ready
-	$(VENV)/bin/lgmd2jax fit fits/dcmd.toml
+	$(VENV)/bin/lgmd2jax fit fits/lgmd2.toml
 
 test: $(VENV)/ready
 	$(VENV)/bin/python -m pytest -n 2 --dist loadfile

@@ -78,6 +78,7 @@ def _sensitivities(model, frames, interval, names: tuple[str, ...]):
         new, f = advance(model, state)
         signals = new.on, new.off, lateral(new.d_on), lateral(new.d_off)
         s, to_signals = jax.vjp(lambda signals: sum_flows(model, *signals)[0], signals)
+        # Linearised once for all parameters: XLA would compute the slope of the gate anew for each.
         mp, of_s = jax.linearize(lambda s: gate_and_pool(model, s)[0], s)
         ((on, off, spread_on, spread_off),) = to_signals(*jax.linear_transpose(of_s, s)(jnp.ones_like(mp)))
         # The lateral spread is its own adjoint, so two spreads a frame serve the maps of all parameters.

@@ -38,5 +38,5 @@ def test_commands_run(command, tmp_path, monkeypatch, capsys):
 
 
 def test_there_is_something_to_test():
-    assert len(PROGRAMS) == 3
-    assert len(COMMANDS) == 2
+    assert len(PROGRAMS) == 4
+    assert len(COMMANDS) == 4

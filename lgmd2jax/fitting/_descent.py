@@ -17,6 +17,10 @@ from lgmd2jax.fitting._problem import Problem
 from lgmd2jax.fitting._search import search_cell
 
 Solver = optx.AbstractLeastSquaresSolver | optx.AbstractMinimiser
+# Near the hard end the loss is a fine staircase, on which no gradient vanishes: enough when it hardly falls.
+_PATIENCE, _FALL = 20, 1e-3
+FLAT = f"flat: the loss fell by less than {_FALL:.1%} in {_PATIENCE} steps"
+ENDED = ("converged", FLAT)  # what a descent that need not go on says
 _ON_THE_WAY = 20  # steps at a temperature that is not the last: it only has to lead there
 _EDGE = 1e-3  # a solver without bounds starts at least so far from them, in the unit box
 
@@ -29,7 +33,7 @@ class Run:
     - `start_loss`, `loss`: of the model with its own thresholds at these points.
     - `soft_loss`: at the last temperature, where the descent ended.
     - `history`: loss after every step, a list for each temperature; the last one again where it was gone on with.
-    - `result`: `"converged"`, or why the solver stopped at the last temperature.
+    - `result`: `"converged"`, `FLAT`, or why the solver stopped at the last temperature.
     """
 
     start: tuple[float, ...]
@@ -127,6 +131,9 @@ def solve(
         losses.append(float(loss))
         if done or (stop is not None and stop.is_set()):
             result = _reason(ended) if done else "stopped by hand"
+            break
+        if len(losses) > _PATIENCE and losses[-1 - _PATIENCE] - loss < _FALL * loss:
+            result = FLAT
             break
     return np.asarray(_bound(solver, y)), losses, result
 

@@ -17,7 +17,7 @@ from lgmd2jax._thresholds import Soft, StraightThrough
 from lgmd2jax.fitting import _descent
 from lgmd2jax.fitting._bounded import BoundedLevenbergMarquardt
 from lgmd2jax.fitting._conditions import Given, rendered
-from lgmd2jax.fitting._descent import Run, Solver
+from lgmd2jax.fitting._descent import ENDED, Run, Solver
 from lgmd2jax.fitting._free import Free
 from lgmd2jax.fitting._outcome import outcome
 from lgmd2jax.fitting._problem import Problem, problem_of
@@ -122,12 +122,12 @@ def fit(
         _descent.solve(problem, points[0], temperatures[0], solver, 1)  # compiles here, before the threads need it
         descended = work.do("descending", run, chosen)
         best = min(descended, key=lambda number: descended[number]["loss"], default=None)
-        if best is not None and descended[best]["result"] != "converged":
+        if best is not None and descended[best]["result"] not in ENDED:
             descended |= work.do("finishing", finish, [best])
         runs, stopped = [Run.of(it) for it in descended.values()], work.stop.is_set()
     runs = sorted(runs, key=lambda it: it.loss) or [_not_run(screened[chosen[0]])]
     result = "stopped by hand" if stopped else runs[0].result
-    if throw and result != "converged":
+    if throw and result not in ENDED:
         raise RuntimeError(f"the fit did not converge: {result}; see fit(..., throw=False)")
     return outcome(
         problem,

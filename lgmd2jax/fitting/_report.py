@@ -9,6 +9,7 @@ from lgmd2jax._observation import observation_symbols
 from lgmd2jax._parameters import symbols
 from lgmd2jax._target import Channel
 from lgmd2jax.fitting._curve import DISAGREEMENT
+from lgmd2jax.fitting._descent import ENDED
 from lgmd2jax.fitting._digits import measured, plain, rounded
 from lgmd2jax.fitting._free import Freedom
 from lgmd2jax.fitting._profile import Profile
@@ -49,10 +50,10 @@ def html(fit: "Fit", extra: Extra | None = None) -> str:
 def status(fit: "Fit") -> tuple[str, ...]:
     """The verdict in a few words each: valid or not, why it stopped, bounds, what is undetermined, soft against hard.
 
-    A fit is valid that converged to a finite loss at which there are standard errors.
+    A fit is valid whose last descent came to its end, at a finite loss at which there are standard errors.
     """
     u = fit.uncertainty
-    valid = fit.result == "converged" and math.isfinite(fit.loss) and not u.reason
+    valid = fit.result in ENDED and math.isfinite(fit.loss) and not u.reason
     bounds = [name for name, side in zip(u.names, u.on_bound, strict=True) if side]
     loose = [name for name, known in zip(u.names, u.determined, strict=True) if not known]
     apart = sum(curve.gap > DISAGREEMENT for curve in fit.curves)

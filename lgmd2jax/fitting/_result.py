@@ -16,7 +16,7 @@ from lgmd2jax._protocol import Condition
 from lgmd2jax._target import Channel, Target
 from lgmd2jax._thresholds import Hard
 from lgmd2jax.fitting._curve import DISAGREEMENT, Curve, observed
-from lgmd2jax.fitting._descent import Run
+from lgmd2jax.fitting._descent import ENDED, Run
 from lgmd2jax.fitting._free import Free
 from lgmd2jax.fitting._next_stimulus import Candidate, ranked
 from lgmd2jax.fitting._posterior import Posterior, posterior
@@ -45,7 +45,7 @@ class Fit:
     - `curves`: target, soft and hard model for every target of every condition.
     - `runs`: the starts that were descended, the best first. `screened`: losses of all points of the search, sorted.
     - `errors`: by channel, the standard error that one frame would have if its neighbours told nothing of it.
-    - `result`: `"converged"`, or why not. `stats`: counts of what was done.
+    - `result`: `"converged"`, or why the best descent stopped. `stats`: counts of what was done.
     """
 
     model: LGMD2
@@ -156,7 +156,7 @@ class Fit:
     def remarks(self) -> list[str]:
         """What a reader must know before trusting the numbers, a sentence each."""
         said = []
-        if self.result != "converged":
+        if self.result not in ENDED:
             said.append(f"The last descent did not converge: {self.result}.")
         bounds = [f"{name} ({value:.4g})" for name, value in self.values.items() if self._on_bound(name)]
         if bounds:

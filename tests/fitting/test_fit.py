@@ -1,19 +1,22 @@
 """The whole fit: recovery, repetition, stopping, other solvers, degenerate cases, misuse; all small."""
 
+from typing import Any
+
 import jax
 import numpy as np
 import optimistix as optx
 import pytest
 
 import lgmd2jax as lgmd
+from lgmd2jax._target import Channel
 from lgmd2jax.fitting import _descent, _problem
 
 EYE = lgmd.Eye(rows=12, cols=16, degrees_per_pixel=8.0, fps=60.0)
 OBSERVATION = lgmd.Observation(baseline=5.0, gain=80.0, latency=30.0)
-FIXED = {"T_s": 5.0, "T_sfa": 5e-4, "tau2": 300.0, "T_ffi": 12.0}
-TRUTH = {"theta2": 1.5, "k": 0.4, "tau3": 250.0}
+FIXED: dict[str, Any] = {"T_s": 5.0, "T_sfa": 5e-4, "tau2": 300.0, "T_ffi": 12.0}
+TRUTH: dict[str, Any] = {"theta2": 1.5, "k": 0.4, "tau3": 250.0}
 FREE = lgmd.Free(theta2=(1, 6), k=(0.1, 2), tau3=lgmd.Log(100, 1000))
-QUICK = {"pixel_points": 8, "cell_points": 64, "descend": 2}
+QUICK: dict[str, Any] = {"pixel_points": 8, "cell_points": 64, "descend": 2}
 KEY = jax.random.key(1)
 
 
@@ -25,7 +28,7 @@ def looms():
     ]
 
 
-def conditions(looms, model, channel="smp_adapted", **settings):
+def conditions(looms, model, channel: Channel = "smp_adapted", **settings):
     return [(stimulus, lgmd.ModelTarget(model=model, channel=channel, **settings)) for stimulus in looms]
 
 
