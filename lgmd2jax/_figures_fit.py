@@ -77,12 +77,13 @@ def _conditions(curves: Sequence[Curve]) -> list[dict[str, Curve]]:
 
 
 def _verdict(curves: Sequence[Curve], name: str) -> str:
-    explained = sorted((r2, curve.condition) for curve in curves if not np.isnan(r2 := curve.r2()))
-    if not explained:
-        return f"Fit {name}"
-    (worst, where), (best, _) = explained[0], explained[-1]
-    found = f"R² {best:.3f}" if len(explained) == 1 else f"R² from {worst:.3f} ({where}) to {best:.3f}"
-    return f"Fit {name}: hard model, {found}"
+    """What the hard model makes of the targets. R2 says little of one that hardly varies, so such ones are counted."""
+    missed = sum(not curve.met for curve in curves)
+    met = f"meets {len(curves) - missed} of {len(curves)} targets" if missed else f"meets all {len(curves)} targets"
+    explained = [r2 for curve in curves if not np.isnan(r2 := curve.r2())]
+    low, high = (min(explained), max(explained)) if explained else (0.0, 0.0)
+    found = f", R² {low:.3f}" + (f" to {high:.3f}" if len(explained) > 1 else "") if low > 0 else ""
+    return f"Fit {name}: the hard model {met}{found}"
 
 
 def _limits(curves: Sequence[Curve]) -> tuple[float, float]:

@@ -14,7 +14,7 @@ PARAMETERS = lgmd.Parameters(
 )
 FRAMES = jnp.asarray(clips.loom(3, (12, 7, 8)) + 3 * clips.noise(8, (12, 7, 8)) / 245)
 SOFT = [lgmd.Soft(1.0), lgmd.Soft(0.3)]
-STRUCTURES = [{}, {"n_p": 2, "low_pass": "exact", "N_ts": 2}]
+STRUCTURES = [{}, pytest.param({"n_p": 2, "low_pass": "exact", "N_ts": 2}, marks=pytest.mark.slow)]
 
 
 def channels(parameters, frames, thresholds=SOFT[0], **structure):
@@ -102,6 +102,7 @@ def test_straight_through_takes_the_plain_chain_rule():
     np.testing.assert_allclose(gradient.T_s, expected, rtol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("thresholds", [lgmd.Soft(), lgmd.StraightThrough()], ids=["soft", "straight-through"])
 def test_under_vmap(thresholds):
     batch = jnp.stack([jnp.asarray(clips.loom(seed, (8, 5, 6))) for seed in range(3)])

@@ -26,7 +26,11 @@ def test_programs_run(program, tmp_path):
     assert "nan" not in done.stdout
 
 
-@pytest.mark.parametrize("command", COMMANDS)
+# A whole fit takes a minute; tests/test_command_fit.py makes a small one.
+WITH_MARKS = [pytest.param(it, marks=pytest.mark.slow) if " fit " in it else it for it in COMMANDS]
+
+
+@pytest.mark.parametrize("command", WITH_MARKS)
 def test_commands_run(command, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     frames = np.full((30, 48, 120, 3), 200, np.uint8)

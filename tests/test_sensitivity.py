@@ -101,6 +101,7 @@ def test_what_else_is_perturbed_takes_the_plain_rule(part):
     assert np.any(found[1])
 
 
+@pytest.mark.slow
 def test_with_record():
     def run(parameters, record=None):
         response = lgmd.LGMD2(parameters, THRESHOLDS[0])(FRAMES, 30.0, record=record)
@@ -113,6 +114,7 @@ def test_with_record():
     np.testing.assert_allclose(s.theta2, s_off, rtol=1e-10)
 
 
+@pytest.mark.slow
 def test_second_derivatives():
     names = (*LOCAL, "tau1", "sigma1", "u")
 
@@ -136,6 +138,7 @@ def item(tree, i):
 BATCH = jnp.stack([jnp.asarray(clips.loom(seed, (8, 5, 6))) for seed in range(3)])
 
 
+@pytest.mark.slow
 def test_over_stimuli_and_parameter_sets():
     slope = jax.jacfwd(of_parameters(exact, n_p=1))
     sets = jax.vmap(lambda theta2, tau1: lgmd.Parameters(theta2=theta2, tau1=tau1))(
@@ -218,6 +221,7 @@ def test_the_jacobian_is_computed_once_for_all_tangents():
         assert bool(batched_map.search(jaxpr)) == batches
 
 
+@pytest.mark.slow
 def test_memory_does_not_grow_with_the_frames():
     def growth(potentials):
         """Temporary memory of the gradient for one more frame, in frames."""

@@ -1,16 +1,26 @@
 """How well a fit predicts what it has not seen: each condition left out in turn."""
 
 from collections.abc import Callable, Sequence
+from typing import Protocol
 
-from lgmd2jax._target import Target
+import numpy as np
+
+from lgmd2jax._target import Channel, Target
 from lgmd2jax.fitting._curve import variance_explained
-from lgmd2jax.fitting._result import Fit
 from lgmd2jax.stimuli import Stimulus
 
 Pair = tuple[Stimulus, Sequence[Target]]
 
 
-def leave_one_out(fit_to: Callable[[Sequence[Pair]], Fit], pairs: Sequence[Pair]) -> dict[str, float]:
+class Predicts(Protocol):
+    """What a fit can do."""
+
+    def predict(self, stimulus: Stimulus, channel: Channel, /) -> np.ndarray:
+        """The channel at the frames of the stimulus."""
+        ...
+
+
+def leave_one_out(fit_to: Callable[[Sequence[Pair]], Predicts], pairs: Sequence[Pair]) -> dict[str, float]:
     """R2 of each condition's first target, predicted by a fit to all other conditions.
 
     **Raises:** `ValueError` for fewer than two conditions.

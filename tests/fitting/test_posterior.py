@@ -9,6 +9,7 @@ from lgmd2jax._posterior_file import write_posterior
 from lgmd2jax.fitting._posterior import posterior
 
 pytest.importorskip("blackjax")
+pytestmark = pytest.mark.slow
 SLOPES = np.array([[40.0, 30, 0], [0, 25, 5], [0, 0, 30], [10, -10, 10]])
 CENTRE = np.array([0.3, 0.5, 0.7])
 
