@@ -136,6 +136,7 @@ def test_a_wrong_recipe_is_one_line_and_nothing_is_written(place, capsys, change
     assert message in error
     assert error.count("\n") == 1
     assert not (place / "wrong").exists()
+    assert not list(place.glob(".*"))
 
 
 def test_a_folder_of_something_else_is_refused_before_the_work(place, capsys):

@@ -12,7 +12,10 @@ def test_entries_come_back_to_the_bit(tmp_path):
     memory["run 2"] = {"z": [], "loss": float("inf")}
     again = FileMemory(path, "digest", resume=True)
     assert dict(again) == {"run 1": {"z": [0.1, 1 / 3], "loss": 1e-300}, "run 2": {"z": [], "loss": float("inf")}}
-    assert dict(FileMemory(path, "digest", resume=False)) == {}
+    anew = FileMemory(path, "digest", resume=False)
+    assert dict(anew) == {}
+    anew["run 3"] = 1
+    assert dict(FileMemory(path, "digest", resume=True)) == {"run 3": 1}
 
 
 def test_a_torn_last_line_is_dropped(tmp_path):
