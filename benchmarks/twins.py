@@ -142,7 +142,7 @@ def covered(
             )
             for stimulus, response in zip(shown, answered, strict=True)
         ]
-        settings: dict[str, Any] = {"pixel_points": 16, "cell_points": 256, "descend": 2}
+        settings: dict[str, Any] = {"pixel_points": 32, "cell_points": 512}
         u = lgmd.fit(
             lgmd.LGMD2(thresholds=thresholds), conditions, FREE, key=jax.random.key(seed), **settings
         ).uncertainty

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import asdict
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -100,25 +101,26 @@ def fit(
 
         def screen(number: int) -> dict[str, Any]:
             found = search_cell(problem, points[number], cells(number))
-            work.saw(float(found.loss))
+            work.saw(float(found.loss), number)
             return {"z": np.asarray(found.z).tolist(), "loss": float(found.loss)}
 
+        def watched(number: int) -> dict[str, Any]:
+            return {"solver": solver, "stop": work.stop, "told": partial(work.saw, start=number)}
+
         def run(number: int) -> dict[str, Any]:
-            z = np.array(screened[number]["z"])
-            settings = {"temperatures": temperatures, "solver": solver, "max_steps": max_steps}
-            return asdict(_descent.descend(problem, z, cells(number), **settings, stop=work.stop, told=work.saw))
+            how = watched(number) | {"temperatures": temperatures, "max_steps": max_steps}
+            return asdict(_descent.descend(problem, np.array(screened[number]["z"]), cells(number), **how))
 
         def finish(number: int) -> dict[str, Any]:
-            settings = {"temperature": temperatures[-1], "solver": solver, "max_steps": _FURTHER * max_steps}
-            best = Run.of(descended[number])
-            return asdict(_descent.finish(problem, best, cells(number), **settings, stop=work.stop, told=work.saw))
+            how = watched(number) | {"temperature": temperatures[-1], "max_steps": _FURTHER * max_steps}
+            return asdict(_descent.finish(problem, Run.of(descended[number]), cells(number), **how))
 
         screened = work.do("screening", screen, range(len(points)))
         if not screened:
             raise KeyboardInterrupt
         chosen = _apart(screened, descend)
         if not chosen:
-            raise RuntimeError("no point of the search gave a finite loss; check targets and bounds")
+            raise ValueError("no point of the search gave a finite loss; narrow the bounds of free, or fix its targets")
         _descent.solve(problem, points[0], temperatures[0], solver, 1)  # compiles here, before the threads need it
         descended = work.do("descending", run, chosen)
         best = min(descended, key=lambda number: descended[number]["loss"], default=None)

@@ -28,11 +28,11 @@ class Work:
     def __exit__(self, *exception):
         self._bar.close()
 
-    def saw(self, loss: float) -> None:
-        """Show a loss, where it is the best so far."""
+    def saw(self, loss: float, start: int) -> None:
+        """Show a loss and the start that led to it, where it is the best so far."""
         if loss < self.best:
             self.best = loss
-            self._bar.set_postfix_str(f"best loss {loss:.4g}")
+            self._bar.set_postfix_str(f"best loss {loss:.4g} of start {start}")
 
     def do(self, kind: str, task: Callable[[int], dict[str, Any]], numbers: Iterable[int]) -> dict[int, dict[str, Any]]:
         """The results of the tasks by number, in the order of `numbers`. Those in the memory are not done again."""
