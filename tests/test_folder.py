@@ -81,10 +81,11 @@ def test_a_kill_at_any_moment_leaves_an_old_or_a_new_folder(tmp_path):
         ) as process:
             assert process.stdout is not None
             process.stdout.readline()
+            while not target.exists():
+                assert process.poll() is None
             for _ in range(200):
-                if target.exists():
-                    one, two = ((target / name).read_text() for name in ("fit.json", "a.txt"))
-                    assert len(one) >= 1000
-                    assert two
+                one, two = ((target / name).read_text() for name in ("fit.json", "a.txt"))
+                assert len(one) >= 1000
+                assert two
             process.kill()
         assert (target / "fit.json").read_text() == (target / "a.txt").read_text()
