@@ -4,10 +4,9 @@ import argparse
 from pathlib import Path
 
 from lgmd2jax import hard
-from lgmd2jax._catalogue import locate
 from lgmd2jax._export import save
 from lgmd2jax._files import replaced
-from lgmd2jax._model_argument import model_named
+from lgmd2jax._model_argument import model_file, model_named
 
 _EXAMPLES = """\
 examples:
@@ -48,16 +47,15 @@ def run(options: argparse.Namespace) -> None:
     paths = folder / "model.json", folder / "hard.py"
     _check_place(folder, paths)
     source = Path(hard.__file__).read_bytes()
-    original = (
-        None if options.model.startswith("preset:") else locate(options.model, "fits", "/model.json").read_bytes()
-    )
+    path = model_file(options.model)
+    original = None if path is None else path.read_bytes()
     folder.mkdir(parents=True, exist_ok=True)
-    with replaced(paths[0]) as model_file, replaced(paths[1]) as program_file:
-        program_file.write_bytes(source)
+    with replaced(paths[0]) as target, replaced(paths[1]) as program:
+        program.write_bytes(source)
         if original is None:
-            save(model, model_file)
+            save(model, target)
         else:
-            model_file.write_bytes(original)
+            target.write_bytes(original)
     print(f"wrote {paths[0]} and {paths[1]}; there, with NumPy alone:")
     if model.eye is None:
         arguments, meaning = "frame, interval=33.3", "any size, and ms since the last frame"

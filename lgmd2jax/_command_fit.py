@@ -14,6 +14,7 @@ from lgmd2jax._memory import FileMemory
 from lgmd2jax._recipe import Recipe, load_recipe
 from lgmd2jax._results import MARKER, save_fit
 from lgmd2jax.fitting import Fit
+from lgmd2jax.fitting._descent import STOPPED
 from lgmd2jax.fitting._report import Extra
 
 _EXAMPLES = """\
@@ -61,7 +62,7 @@ def run(options: argparse.Namespace) -> None:
     memory = FileMemory(folder.absolute().with_name(f".{folder.absolute().name}.starts.jsonl"), digest, options.resume)
     print(f"fitting {', '.join(recipe.free.names)} to {len(recipe.pairs)} conditions of {recipe.name}", flush=True)
     fit = recipe.run(progress=True, memory=memory)
-    stopped = fit.result == "stopped by hand"
+    stopped = fit.result == STOPPED
     extra = Extra(truth=recipe.truth) if stopped else _extra(recipe, fit)
     made = {
         "recipe": recipe.table,
@@ -79,7 +80,7 @@ def run(options: argparse.Namespace) -> None:
     print(fit.summary(extra))
     print(f"\nwrote {folder}/ in {time.monotonic() - began:.0f} s; open {folder}/report.html")
     if stopped:
-        print("stopped by hand: this is the best so far; go on with --resume")
+        print(f"{STOPPED}: this is the best so far; go on with --resume")
         raise SystemExit(130)
     memory.forget()
 

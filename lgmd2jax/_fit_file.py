@@ -11,6 +11,7 @@ from lgmd2jax._model import LGMD2
 from lgmd2jax._observation import Observation, observation_symbols
 from lgmd2jax._thresholds import Soft, StraightThrough, Thresholds, Widths
 from lgmd2jax.fitting import Curve, Fit, Free, Linear, Log, Run, Tie
+from lgmd2jax.fitting._free import RANGES
 from lgmd2jax.fitting._report import Extra
 from lgmd2jax.fitting._uncertainty import Uncertainty
 
@@ -65,6 +66,7 @@ def content_of(fit: Fit, extra: Extra) -> dict[str, Any]:
         "uncertainty": {
             field.name: getattr(u, field.name) for field in dataclasses.fields(u) if field.name not in ("names",)
         },
+        "curved": fit.curved,
         "errors": fit.errors,
         "stats": fit.stats,
         "runs": [dataclasses.asdict(run) for run in fit.runs],
@@ -96,6 +98,7 @@ def fit_of(content: dict[str, Any], model: LGMD2, curves: tuple[Curve, ...]) -> 
         soft_loss=content["soft_loss"],
         temperatures=tuple(content["temperatures"]),
         uncertainty=_uncertainty(tuple(choices), content["uncertainty"]),
+        curved=tuple(content["curved"]),
         curves=curves,
         runs=tuple(Run.of(run) for run in content["runs"]),
         screened=tuple(content["screened"]),
@@ -106,7 +109,7 @@ def fit_of(content: dict[str, Any], model: LGMD2, curves: tuple[Curve, ...]) -> 
 
 
 def _choice(it: dict[str, Any]) -> Linear | Log:
-    return {"linear": Linear, "log": Log}[it["scale"]](it["low"], it["high"], it["prior"] and tuple(it["prior"]))
+    return RANGES[it["scale"]](it["low"], it["high"], it["prior"] and tuple(it["prior"]))
 
 
 def _thresholds(thresholds: Thresholds) -> dict[str, Any]:

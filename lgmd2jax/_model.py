@@ -13,7 +13,7 @@ from lgmd2jax import _retina as retina
 from lgmd2jax._eye import Eye
 from lgmd2jax._lobula import CellState, cell_step
 from lgmd2jax._low_pass import LOW_PASS_FORMS, LowPass
-from lgmd2jax._parameters import Parameters, check_parameters, is_concrete, nearest, symbols
+from lgmd2jax._parameters import Parameters, check_domains, is_concrete, nearest, symbols
 from lgmd2jax._pixels import PixelState, Record, cast, pixel_step
 from lgmd2jax._sensitivity import potentials
 from lgmd2jax._thresholds import Hard, Thresholds
@@ -122,7 +122,7 @@ class LGMD2(eqx.Module):
             count = "one frame" if len(frames) else "0 frames"
             raise ValueError(f"frames holds {count}; the network sees changes, so give at least 2")
         interval = self._interval(fps)
-        check_parameters(self.parameters)
+        check_domains(self.parameters)
         self._check_persistence()
         response = _respond(self, frames, interval, record)
         return self._checked(response, interval, check)

@@ -1,6 +1,7 @@
 """How a command is told its model: by file, by shipped name or by preset, with single parameters set."""
 
 from collections.abc import Iterable
+from pathlib import Path
 
 import equinox as eqx
 
@@ -9,6 +10,7 @@ from lgmd2jax._export import load
 from lgmd2jax._model import LGMD2
 from lgmd2jax._parameters import nearest, preset, symbols
 
+_PRESET = "preset:"
 MODEL_HELP = "a hand-over file model.json, the name of a shipped fit, or preset:NAME (default: %(default)s)"
 
 
@@ -17,10 +19,16 @@ def model_named(name: str) -> LGMD2:
 
     **Raises:** `ValueError` for a preset or a file that is none, `FileNotFoundError` for a file that is not there.
     """
-    kind, separator, rest = name.partition(":")
-    if separator and kind == "preset":
-        return LGMD2(preset(rest))
-    return load(locate(name, "fits", "/model.json"))
+    path = model_file(name)
+    return LGMD2(preset(name.removeprefix(_PRESET))) if path is None else load(path)
+
+
+def model_file(name: str) -> Path | None:
+    """The hand-over file that is meant, None for a preset.
+
+    **Raises:** `FileNotFoundError` for a file that is not there.
+    """
+    return None if name.startswith(_PRESET) else locate(name, "fits", "/model.json")
 
 
 def with_parameters(model: LGMD2, settings: Iterable[str]) -> LGMD2:

@@ -1,6 +1,5 @@
 """From the model's membrane potential to the firing rate that a laboratory records."""
 
-import dataclasses
 from collections.abc import Callable
 from typing import Any
 
@@ -10,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from lgmd2jax._parameters import Symbol, _scalar, _symbol, is_concrete
+from lgmd2jax._parameters import Symbol, _scalar, _symbol, check_domains, declared
 
 
 def _number(name: str) -> Callable[[Any], Array]:
@@ -82,10 +81,7 @@ class Observation(eqx.Module):
     )
 
     def __check_init__(self):
-        for name, symbol in observation_symbols().items():
-            value = getattr(self, name)
-            if is_concrete(value) and not np.all(symbol.contains(value)):
-                raise ValueError(f"{name} is {value} {symbol.unit}; it must lie in {symbol.domain} {symbol.unit}")
+        check_domains(self)
 
     def __call__(
         self, smp_adapted: Float[Array | np.ndarray, " time"], time: Float[Array | np.ndarray, " time"]
@@ -108,4 +104,4 @@ class Observation(eqx.Module):
 
 def observation_symbols() -> dict[str, Symbol]:
     """What is known of each parameter of an `Observation`, by name."""
-    return {field.name: field.metadata["symbol"] for field in dataclasses.fields(Observation)}
+    return declared(Observation)

@@ -187,7 +187,7 @@ class Parameters(eqx.Module):
                     f"{name} has shape {shape}; a parameter is a scalar: build a batch with "
                     f"jax.vmap(lambda value: Parameters({name}=value))(values)"
                 )
-        check_parameters(self)
+        check_domains(self)
 
     def __repr__(self):
         rows = []
@@ -201,7 +201,12 @@ class Parameters(eqx.Module):
 
 def symbols() -> dict[str, Symbol]:
     """What is known of each parameter, by name, in the order of the fields of `Parameters`."""
-    return {field.name: field.metadata["symbol"] for field in dataclasses.fields(Parameters)}
+    return declared(Parameters)
+
+
+def declared(kind: type[eqx.Module]) -> dict[str, Symbol]:
+    """What the fields of a class declare of themselves, by name."""
+    return {field.name: field.metadata["symbol"] for field in dataclasses.fields(kind)}
 
 
 def is_concrete(*values) -> bool:
@@ -211,10 +216,10 @@ def is_concrete(*values) -> bool:
     )
 
 
-def check_parameters(parameters: Parameters) -> None:
-    """Raise `ValueError` for the first concrete value that lies outside its domain."""
-    for name, symbol in symbols().items():
-        leaf = getattr(parameters, name)
+def check_domains(owner: eqx.Module) -> None:
+    """Raise `ValueError` for the first concrete value of a field that lies outside the domain declared with it."""
+    for name, symbol in declared(type(owner)).items():
+        leaf = getattr(owner, name)
         if not is_concrete(leaf):
             continue
         outside = np.ravel(leaf)[~symbol.contains(np.ravel(leaf))]

@@ -21,6 +21,7 @@ from lgmd2jax._target import Target
 from lgmd2jax._thresholds import Hard, Soft
 from lgmd2jax.fitting import Fit, Free, Linear, Log, Tie, fit
 from lgmd2jax.fitting._conditions import rendered
+from lgmd2jax.fitting._free import RANGES
 from lgmd2jax.fitting._validation import leave_one_out
 from lgmd2jax.stimuli import Stimulus
 
@@ -159,7 +160,6 @@ def _choice(name: str, limits: Any) -> Linear | Log | Tie | None:
     check_keys(limits, ("low", "high", "scale", "prior"))
     known = symbols() | observation_symbols()
     scale = limits.get("scale", known[name].scale if name in known else "linear")
-    kinds = {"linear": Linear, "log": Log}
-    if scale not in kinds:
+    if scale not in RANGES:
         raise ValueError(f"{name} has scale {scale!r}; give 'linear' or 'log'")
-    return kinds[scale](limits.get("low"), limits.get("high"), tuple(limits["prior"]) if "prior" in limits else None)
+    return RANGES[scale](limits.get("low"), limits.get("high"), tuple(limits["prior"]) if "prior" in limits else None)

@@ -9,6 +9,7 @@ import pytest
 
 jax.config.update("jax_enable_x64", True)
 jax.config.update("jax_numpy_rank_promotion", "raise")
+jax.config.update("jax_disable_most_optimizations", True)  # compiling takes most of the suite's time
 jaxtyping.install_import_hook("lgmd2jax", "beartype.beartype")
 
 

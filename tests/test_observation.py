@@ -123,8 +123,8 @@ def test_every_field_says_what_it_is():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"gain": 0.0}, r"gain is 0.0 spikes/s; it must lie in \(0, inf\) spikes/s"),
-        ({"smoothing": -1}, r"smoothing is -1.0 ms; it must lie in \(0, inf\)"),
+        ({"gain": 0.0}, r"gain is 0 spikes/s; it must lie in \(0, inf\) spikes/s"),
+        ({"smoothing": -1}, r"smoothing is -1 ms; it must lie in \(0, inf\)"),
         ({"latency": -0.1}, "latency is -0.1 ms"),
         ({"baseline": np.nan}, "baseline is nan"),
         ({"gain": np.inf}, "gain is inf"),

@@ -18,7 +18,11 @@ PROGRAMS = [block for language, block in BLOCKS if language == "python"]
 COMMANDS = [line for language, block in BLOCKS if language == "sh" for line in block.splitlines() if "lgmd2jax" in line]
 
 
-@pytest.mark.parametrize("program", PROGRAMS, ids=[f"program {i}" for i in range(len(PROGRAMS))])
+# Whole fits take a minute or two; tests/fitting/test_fit.py and tests/test_command_fit.py make small ones.
+SLOW_PROGRAMS = [pytest.param(it, marks=pytest.mark.slow) if ".fit(" in it else it for it in PROGRAMS]
+
+
+@pytest.mark.parametrize("program", SLOW_PROGRAMS, ids=[f"program {i}" for i in range(len(PROGRAMS))])
 def test_programs_run(program, tmp_path):
     done = subprocess.run([sys.executable, "-W", "error", "-c", program], cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
@@ -26,11 +30,10 @@ def test_programs_run(program, tmp_path):
     assert "nan" not in done.stdout
 
 
-# A whole fit takes a minute; tests/test_command_fit.py makes a small one.
-WITH_MARKS = [pytest.param(it, marks=pytest.mark.slow) if " fit " in it else it for it in COMMANDS]
+SLOW_COMMANDS = [pytest.param(it, marks=pytest.mark.slow) if " fit " in it else it for it in COMMANDS]
 
 
-@pytest.mark.parametrize("command", WITH_MARKS)
+@pytest.mark.parametrize("command", SLOW_COMMANDS)
 def test_commands_run(command, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     frames = np.full((30, 48, 120, 3), 200, np.uint8)

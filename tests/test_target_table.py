@@ -143,7 +143,7 @@ MISTAKES = [
     (MODEL | {"temperature": "hot"}, "temperature is 'hot'; give a number"),
     (MODEL | {"channel": "rate"}, "channel is 'rate', which needs an observation"),
     (MODEL | {"channel": "rate", "observation": {"gian": 3}}, "unknown key 'gian'; did you mean 'gain'"),
-    (MODEL | {"channel": "rate", "observation": {"gain": -3}}, "gain is -3.0 spikes/s"),
+    (MODEL | {"channel": "rate", "observation": {"gain": -3}}, "gain is -3 spikes/s"),
     (MODEL | {"noise": -1}, "noise is -1.0; give 0 or more"),
     (MODEL | {"seed": 1.5}, "seed is 1.5; give a whole number, 0 or more"),
     (MODEL | {"sead": 1}, "unknown key 'sead'; did you mean 'seed'"),

@@ -20,6 +20,7 @@ Solver = optx.AbstractLeastSquaresSolver | optx.AbstractMinimiser
 # Near the hard end the loss is a fine staircase, on which no gradient vanishes: enough when it hardly falls.
 _PATIENCE, _FALL = 20, 1e-3
 FLAT = f"flat: the loss fell by less than {_FALL:.1%} in {_PATIENCE} steps"
+STOPPED = "stopped by hand"
 ENDED = ("converged", FLAT)  # what a descent that need not go on says
 _ON_THE_WAY = 20  # steps at a temperature that is not the last: it only has to lead there
 _EDGE = 1e-3  # a solver without bounds starts at least so far from them, in the unit box
@@ -56,9 +57,16 @@ class Run:
         return sum(len(losses) for losses in self.history)
 
 
+def begin(problem: Problem, start: Float[np.ndarray, " free"], cells: Float[np.ndarray, "count cell"]) -> Run:
+    """A run that has not yet descended: the start, and the best cell that a search finds for its pixels."""
+    found = search_cell(problem, start, cells)
+    z = tuple(np.asarray(found.z).tolist())
+    return Run(tuple(map(float, start)), z, float(found.loss_before), float(found.loss), np.inf, (), STOPPED)
+
+
 def descend(
     problem: Problem,
-    start: Float[np.ndarray, " free"],
+    run: Run,
     cells: Float[np.ndarray, "count cell"],
     *,
     temperatures: Sequence[float],
@@ -67,35 +75,13 @@ def descend(
     stop: threading.Event | None = None,
     told: Callable[[float], Any] = lambda loss: None,
 ) -> Run:
-    """Anneal from a start: descend, search the cell, descend at the next temperature from the best.
+    """Anneal from the best point of a run: descend, search the cell, descend at the next temperature from the best.
 
     **Arguments:** `cells` are tried between temperatures; `stop` ends the run early, with its best so far; `told` hears
     the loss of the model's own thresholds after each temperature.
     """
-    before = search_cell(problem, start, cells)
-    candidates = [(float(before.loss_before), np.asarray(start)), (float(before.loss), np.asarray(before.z))]
-    begun = Run(tuple(map(float, start)), (), candidates[0][0], np.inf, np.inf, (), "stopped by hand")
-    return _annealed(problem, begun, candidates, cells, temperatures, solver, max_steps, stop, told)
-
-
-def finish(
-    problem: Problem,
-    run: Run,
-    cells: Float[np.ndarray, "count cell"],
-    *,
-    temperature: float,
-    solver: Solver,
-    max_steps: int,
-    stop: threading.Event | None = None,
-    told: Callable[[float], Any] = lambda loss: None,
-) -> Run:
-    """Go on with a run at its last temperature, from its best point."""
-    candidates = [(run.loss, np.array(run.z))]
-    return _annealed(problem, run, candidates, cells, [temperature], solver, max_steps, stop, told)
-
-
-def _annealed(problem: Problem, run: Run, candidates, cells, temperatures, solver, max_steps, stop, told) -> Run:
-    z, history, result, soft_loss = candidates[-1][1], list(run.history), run.result, run.soft_loss
+    z, history, result, soft_loss = np.array(run.z), list(run.history), run.result, run.soft_loss
+    best = run.loss, z
     for temperature in temperatures:
         steps = max_steps if temperature == temperatures[-1] else min(max_steps, _ON_THE_WAY)
         if stop is not None and stop.is_set():
@@ -103,11 +89,11 @@ def _annealed(problem: Problem, run: Run, candidates, cells, temperatures, solve
         z, losses, result = solve(problem, z, temperature, solver, steps, stop)
         history.append(tuple(losses))
         soft_loss = losses[-1]
-        after = search_cell(problem, z, cells)
-        candidates += [(float(after.loss_before), z), (float(after.loss), np.asarray(after.z))]
-        told(min(loss for loss, _ in candidates))
-        z = np.asarray(after.z)
-    loss, z = min(candidates, key=lambda candidate: candidate[0])
+        found = search_cell(problem, z, cells)
+        z = np.asarray(found.z)
+        best = min(best, (float(found.loss), z), key=lambda candidate: candidate[0])
+        told(best[0])
+    loss, z = best
     return Run(run.start, tuple(map(float, z)), run.start_loss, loss, soft_loss, tuple(history), result)
 
 
@@ -130,7 +116,7 @@ def solve(
         y, state, done, ended, loss = _step(solver, problem, temperature_, y, state)
         losses.append(float(loss))
         if done or (stop is not None and stop.is_set()):
-            result = _reason(ended) if done else "stopped by hand"
+            result = _reason(ended) if done else STOPPED
             break
         if len(losses) > _PATIENCE and losses[-1 - _PATIENCE] - loss < _FALL * loss:
             result = FLAT

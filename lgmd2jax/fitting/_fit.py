@@ -18,7 +18,7 @@ from lgmd2jax._thresholds import Soft, StraightThrough
 from lgmd2jax.fitting import _descent
 from lgmd2jax.fitting._bounded import BoundedLevenbergMarquardt
 from lgmd2jax.fitting._conditions import Given, rendered
-from lgmd2jax.fitting._descent import ENDED, Run, Solver
+from lgmd2jax.fitting._descent import ENDED, STOPPED, Run, Solver
 from lgmd2jax.fitting._free import Free
 from lgmd2jax.fitting._outcome import outcome
 from lgmd2jax.fitting._problem import Problem, problem_of
@@ -82,7 +82,7 @@ def fit(
     On Ctrl-C the best so far is returned; its `result` says so. Fits want float64: `jax_enable_x64`.
 
     **Raises:** `ValueError` for conditions without targets, for a start outside of its bounds, for more free parameters
-    than independent samples, and for settings that make no sense.
+    than independent samples, for a prior beside targets without errors, and for settings that make no sense.
     """
     pairs, observation = rendered(conditions), observation or Observation()
     temperatures = _temperatures(model, temperatures)
@@ -104,31 +104,33 @@ def fit(
             work.saw(float(found.loss), number)
             return {"z": np.asarray(found.z).tolist(), "loss": float(found.loss)}
 
-        def watched(number: int) -> dict[str, Any]:
-            return {"solver": solver, "stop": work.stop, "told": partial(work.saw, start=number)}
+        def go_on(run: Run, number: int, temperatures: tuple[float, ...], max_steps: int) -> dict[str, Any]:
+            how: dict[str, Any] = {"temperatures": temperatures, "solver": solver, "max_steps": max_steps}
+            told = partial(work.saw, start=number)
+            return asdict(_descent.descend(problem, run, cells(number), **how, stop=work.stop, told=told))
 
         def run(number: int) -> dict[str, Any]:
-            how = watched(number) | {"temperatures": temperatures, "max_steps": max_steps}
-            return asdict(_descent.descend(problem, np.array(screened[number]["z"]), cells(number), **how))
+            begun = _descent.begin(problem, np.array(screened[number]["z"]), cells(number))
+            return go_on(begun, number, temperatures, max_steps)
 
         def finish(number: int) -> dict[str, Any]:
-            how = watched(number) | {"temperature": temperatures[-1], "max_steps": _FURTHER * max_steps}
-            return asdict(_descent.finish(problem, Run.of(descended[number]), cells(number), **how))
+            return go_on(Run.of(descended[number]), number, temperatures[-1:], _FURTHER * max_steps)
 
-        screened = work.do("screening", screen, range(len(points)))
+        # The first calls compile, alone, before the threads need what they compile.
+        screened = work.do("screening", screen, range(len(points)), partial(search_cell, problem, points[0], cells(0)))
         if not screened:
             raise KeyboardInterrupt
         chosen = _apart(screened, descend)
         if not chosen:
             raise ValueError("no point of the search gave a finite loss; narrow the bounds of free, or fix its targets")
-        _descent.solve(problem, points[0], temperatures[0], solver, 1)  # compiles here, before the threads need it
-        descended = work.do("descending", run, chosen)
+        one_step = partial(_descent.solve, problem, points[0], temperatures[0], solver, 1)
+        descended = work.do("descending", run, chosen, one_step)
         best = min(descended, key=lambda number: descended[number]["loss"], default=None)
         if best is not None and descended[best]["result"] not in ENDED:
             descended |= work.do("finishing", finish, [best])
         runs, stopped = [Run.of(it) for it in descended.values()], work.stop.is_set()
     runs = sorted(runs, key=lambda it: it.loss) or [_not_run(screened[chosen[0]])]
-    result = "stopped by hand" if stopped else runs[0].result
+    result = STOPPED if stopped else runs[0].result
     if throw and result not in ENDED:
         raise RuntimeError(f"the fit did not converge: {result}; see fit(..., throw=False)")
     return outcome(
@@ -166,6 +168,11 @@ def _check(pairs: list[tuple[Stimulus, list[Target]]], free: Free, loss: str, co
     unseen = [name for name in free.names if name in observation_symbols()]
     if unseen and not any(target.channel == "rate" for target in targets):
         raise ValueError(f"{unseen[0]} is free, but no target is a rate, which alone depends on it; fix it")
+    beforehand = [it.name for it in free.freedoms if it.prior]
+    if beforehand and not all(target.has_error for target in targets):
+        raise ValueError(
+            f"{beforehand[0]} has a prior, which can only be weighed against data of known error; give targets an error"
+        )
     samples = sum(float((target.scale > 0).sum()) / target.thinning for target in targets)
     if samples < len(free):
         raise ValueError(
@@ -197,4 +204,4 @@ def _apart(screened: dict[int, dict[str, Any]], count: int) -> list[int]:
 
 def _not_run(point: dict[str, Any]) -> Run:
     z, loss = tuple(point["z"]), point["loss"]
-    return Run(z, z, loss, loss, float("inf"), (), "stopped by hand")
+    return Run(z, z, loss, loss, float("inf"), (), STOPPED)

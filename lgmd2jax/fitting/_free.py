@@ -18,7 +18,8 @@ from lgmd2jax._parameters import Parameters, Symbol, nearest, symbols
 class _Range:
     """Bounds of one parameter; a bound that is None is the one declared with the parameter.
 
-    - `prior`: mean and standard deviation of what is known beforehand, in the parameter's unit; it acts as a penalty.
+    - `prior`: mean and standard deviation of what is known beforehand, in the parameter's unit; it acts as a penalty
+      beside data whose errors are known.
     """
 
     low: float | int | None = None
@@ -32,6 +33,9 @@ class Linear(_Range):
 
 class Log(_Range):
     """Bounds between which a fit measures factors: `Log(5, 50)`. Both bounds are positive."""
+
+
+RANGES = {"linear": Linear, "log": Log}
 
 
 @dataclasses.dataclass(frozen=True)

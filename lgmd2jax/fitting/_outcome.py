@@ -1,18 +1,21 @@
 """From the best point of a search to a fit: the model, its curves, and how well it is determined."""
 
+import dataclasses
 from collections.abc import Sequence
 from typing import Any
 
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
+from jax.tree_util import Partial
 from jaxtyping import Array, Float
 
 from lgmd2jax._target import Target
 from lgmd2jax._thresholds import Hard
 from lgmd2jax.fitting._curve import Curve, curve_of
 from lgmd2jax.fitting._descent import Run
-from lgmd2jax.fitting._problem import Problem, replaced
+from lgmd2jax.fitting._linearity import curved
+from lgmd2jax.fitting._problem import Problem, weighed
 from lgmd2jax.fitting._result import Fit
 from lgmd2jax.fitting._sensitivity import Sensitivity, sensitivity
 from lgmd2jax.fitting._uncertainty import Uncertainty, prediction_band, uncertainty
@@ -34,12 +37,14 @@ def outcome(
     stats: dict[str, Any],
 ) -> Fit:
     """The fit whose best run is the first one. Errors and intervals are those of the last temperature."""
-    z, free = np.array(runs[0].z), problem.free
+    z, free, data = np.array(runs[0].z), problem.free, int(problem.known().sum()) - problem.priors
     model, observation = problem.at(z)
-    seen = sensitivity(problem, jnp.asarray(z), jnp.asarray(temperatures[-1], dtype=float))
+    temperature = jnp.asarray(temperatures[-1], dtype=float)
+    seen = sensitivity(problem, jnp.asarray(z), temperature)
     if absolute_errors is None:
         absolute_errors = all(target.has_error for _, targets in pairs for target in targets)
     u = _uncertainty(problem, z, seen, absolute_errors)
+    residuals = Partial(weighed, problem, temperature, jnp.asarray(u.variance))
     return Fit(
         model=model,
         observation=observation,
@@ -50,20 +55,19 @@ def outcome(
         soft_loss=0.5 * float(jnp.square(seen.residuals).sum()),
         temperatures=temperatures,
         uncertainty=u,
+        curved=curved(residuals, z, u),
         curves=tuple(_curves(problem, pairs, seen, _hard_curves(problem, jnp.asarray(z)), u)),
         runs=runs,
         screened=screened,
         errors=_errors(problem, u.variance),
         result=result,
-        stats=stats | {"data": int(problem.known().sum()), "num_steps": sum(run.steps for run in runs)},
+        stats=stats | {"data": data, "num_steps": sum(run.steps for run in runs)},
         problem=problem,
     )
 
 
 def _uncertainty(problem: Problem, z: np.ndarray, seen: Sensitivity, absolute: bool) -> Uncertainty:
-    free, known = problem.free, problem.known()
-    priors = len(seen.residuals) - len(known)
-    rows = np.concatenate([known, np.ones(priors, bool)])
+    free, rows = problem.free, problem.known()
     return uncertainty(
         free.names,
         z,
@@ -71,16 +75,16 @@ def _uncertainty(problem: Problem, z: np.ndarray, seen: Sensitivity, absolute: b
         free.slopes(z),
         np.asarray(seen.jacobian)[rows],
         np.asarray(seen.residuals)[rows],
-        thinning=np.concatenate([problem.thinning()[known], np.ones(priors)]),
+        n_effective=problem.samples(),
         absolute=absolute,
-        priors=priors,
+        priors=problem.priors,
     )
 
 
 @eqx.filter_jit
 def _hard_curves(problem: Problem, z: Float[Array, " free"]):
     model, observation = problem.at(z)
-    hard = replaced(model, model.parameters, Hard())
+    hard = dataclasses.replace(model, thresholds=Hard())
     return problem.curves(hard, observation, problem.potentials(hard))
 
 

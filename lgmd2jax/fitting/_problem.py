@@ -1,5 +1,6 @@
 """What a fit minimises: the differences between curves and targets, as a function of a point in the unit box."""
 
+import dataclasses
 from collections import Counter
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -12,7 +13,6 @@ from jaxtyping import Array, Bool, Float
 
 from lgmd2jax._model import LGMD2, channels, potentials
 from lgmd2jax._observation import Observation
-from lgmd2jax._parameters import Parameters
 from lgmd2jax._target import Target
 from lgmd2jax._thresholds import Hard, Soft, Thresholds
 from lgmd2jax.fitting._free import Free
@@ -88,7 +88,7 @@ class Problem(eqx.Module):
         """The model and the observation at a point."""
         parameters, observation = self.free.insert(self.model.parameters, self.observation, z)
         thresholds = self.model.thresholds if temperature is None else softened(self.model.thresholds, temperature)
-        return replaced(self.model, parameters, thresholds), observation
+        return dataclasses.replace(self.model, parameters=parameters, thresholds=thresholds), observation
 
     def potentials(self, model: LGMD2) -> Potentials:
         """MP and F of every condition: all that the cell sees."""
@@ -114,32 +114,53 @@ class Problem(eqx.Module):
         return curves
 
     def differences(self, curves: Curves) -> Float[Array, " n"]:
-        """(curve - target) in standard errors, robust if so wished; 0 where there is no target."""
+        """(curve - target) in standard errors, robust if so wished; 0 where there is no target.
+
+        Where so many frames make one sample, the square of each counts as that fraction of one.
+        """
         rows = [
-            (slot.scale * (curve - slot.values)).ravel()
+            (robust(slot.scale * (curve - slot.values), self.loss) / jnp.sqrt(slot.thinning)[:, None]).ravel()
             for batch, predicted in zip(self.batches, curves, strict=True)
             for slot, curve in zip(batch.slots, predicted, strict=True)
         ]
-        return robust(jnp.concatenate(rows), self.loss)
+        return jnp.concatenate(rows)
 
     def residuals(
         self, z: Float[Array | np.ndarray, " free"], temperature: Float[Array, ""] | None
     ) -> Float[Array, " n_and_priors"]:
         """All differences, then the penalties of the priors."""
+        return self.evaluated(z, temperature)[0]
+
+    def evaluated(
+        self, z: Float[Array | np.ndarray, " free"], temperature: Float[Array, ""] | None
+    ) -> tuple[Float[Array, " n_and_priors"], Curves]:
+        """The residuals, and the curves that they come from."""
         model, observation = self.at(z, temperature)
         curves = self.curves(model, observation, self.potentials(model))
-        return jnp.concatenate([self.differences(curves), self.free.penalties(z)])
+        return jnp.concatenate([self.differences(curves), self.free.penalties(z)]), curves
 
-    def known(self) -> Bool[np.ndarray, " n"]:
-        """Which of the differences have a target."""
-        return np.concatenate([np.ravel(slot.scale) > 0 for batch in self.batches for slot in batch.slots])
+    @property
+    def priors(self) -> int:
+        """How many of the residuals, at their end, are penalties."""
+        return sum(it.prior is not None for it in self.free.freedoms)
 
-    def thinning(self) -> Float[np.ndarray, " n"]:
-        """How many of its neighbours' differences tell the same as each one does."""
-        rows = [
-            np.repeat(np.asarray(slot.thinning), slot.scale.shape[1]) for batch in self.batches for slot in batch.slots
-        ]
-        return np.concatenate(rows)
+    def known(self) -> Bool[np.ndarray, " n_and_priors"]:
+        """Which of the residuals count: differences with a target, and penalties."""
+        rows = [np.ravel(slot.scale) > 0 for batch in self.batches for slot in batch.slots]
+        return np.concatenate([*rows, np.ones(self.priors, bool)])
+
+    def samples(self) -> float:
+        """How many independent samples the targets hold."""
+        return sum(
+            float(((slot.scale > 0).sum(axis=1) / slot.thinning).sum()) for b in self.batches for slot in b.slots
+        )
+
+
+def weighed(problem: Problem, temperature: Float[Array, ""], variance: Float[Array, ""], z: Float[Array, " free"]):
+    """The residuals, with penalties that keep their own width when the sum of squares is divided by the variance."""
+    residuals = problem.residuals(z, temperature)
+    data = len(residuals) - problem.priors
+    return residuals.at[data:].multiply(jnp.sqrt(variance))
 
 
 def softened(thresholds: Thresholds, temperature: Float[Array, ""]) -> Thresholds:
@@ -147,11 +168,6 @@ def softened(thresholds: Thresholds, temperature: Float[Array, ""]) -> Threshold
     if isinstance(thresholds, Hard):
         return Soft(temperature)
     return eqx.tree_at(lambda it: it.temperature, thresholds, temperature)
-
-
-def replaced(model: LGMD2, parameters: Parameters, thresholds: Thresholds) -> LGMD2:
-    """The same structure with other parameters and thresholds."""
-    return LGMD2(parameters, thresholds, model.n_p, model.low_pass, model.N_ts, model.eye)
 
 
 def problem_of(

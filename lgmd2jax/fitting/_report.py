@@ -114,7 +114,8 @@ def _bounds(it: Freedom) -> str:
 def _flag(fit: "Fit", i: int) -> str:
     side, prior = fit.uncertainty.on_bound[i], fit.free.freedoms[i].prior
     flags = [f"at {'lower' if side < 0 else 'upper'} bound"] if side else []
-    return ", ".join(flags + ([f"prior {prior[0]:g} +- {prior[1]:g}"] if prior else []))
+    flags += [f"prior {prior[0]:g} +- {prior[1]:g}"] if prior else []
+    return ", ".join(flags + (["rough: curves bend"] if fit.free.names[i] in fit.curved else []))
 
 
 def _interval(u: Uncertainty, i: int) -> str:

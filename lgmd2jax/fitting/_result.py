@@ -6,6 +6,7 @@ from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
+from jax.tree_util import Partial
 from jaxtyping import Array, Float
 from scipy import stats
 
@@ -20,15 +21,13 @@ from lgmd2jax.fitting._descent import ENDED, Run
 from lgmd2jax.fitting._free import Free
 from lgmd2jax.fitting._next_stimulus import Candidate, ranked
 from lgmd2jax.fitting._posterior import Posterior, posterior
-from lgmd2jax.fitting._problem import Problem, problem_of, replaced, softened
+from lgmd2jax.fitting._problem import Problem, problem_of, softened, weighed
 from lgmd2jax.fitting._profile import Profile, profile
 from lgmd2jax.fitting._report import Extra, html, text
 from lgmd2jax.fitting._sensitivity import sensitivity
 from lgmd2jax.fitting._uncertainty import Uncertainty, sentences
 from lgmd2jax.stimuli import Stimulus
 
-# Of the box's width, within which a value counts as on its bound.
-ON_BOUND = 1e-6
 _SAME_LOSS = 0.01  # relative; runs so close to the best are said to have found it
 
 
@@ -41,7 +40,8 @@ class Fit:
     - `free`: what was free. `start`: the values from which the search set out, by name.
     - `loss`: half the sum of squares of `model`; `soft_loss`: of the same parameters at the last temperature.
     - `temperatures`: of the descent, the last one being that of `soft` and of the uncertainty.
-    - `uncertainty`: errors, intervals, correlations, information criteria.
+    - `uncertainty`: errors, intervals, correlations, information criteria, all by linearisation.
+    - `curved`: the parameters within whose intervals the curves bend, so that only a `profile` tells their interval.
     - `curves`: target, soft and hard model for every target of every condition.
     - `runs`: the starts that were descended, the best first. `screened`: losses of all points of the search, sorted.
     - `errors`: by channel, the standard error that one frame would have if its neighbours told nothing of it.
@@ -57,6 +57,7 @@ class Fit:
     soft_loss: float
     temperatures: tuple[float, ...]
     uncertainty: Uncertainty
+    curved: tuple[str, ...]
     curves: tuple[Curve, ...]
     runs: tuple[Run, ...]
     screened: tuple[float, ...]
@@ -84,12 +85,12 @@ class Fit:
     def soft(self) -> LGMD2:
         """The same parameters at the last temperature."""
         thresholds = softened(self.model.thresholds, jnp.asarray(self.temperatures[-1], dtype=float))
-        return replaced(self.model, self.model.parameters, thresholds)
+        return dataclasses.replace(self.model, thresholds=thresholds)
 
     @property
     def hard(self) -> LGMD2:
         """The same parameters with hard thresholds."""
-        return replaced(self.model, self.model.parameters, Hard())
+        return dataclasses.replace(self.model, thresholds=Hard())
 
     @property
     def channels(self) -> tuple[Channel, ...]:
@@ -111,7 +112,7 @@ class Fit:
         """
         if name not in self.free.names:
             raise ValueError(f"{name!r} is not free in this fit; choose {', '.join(self.free.names)}")
-        residuals, u, index = self._independent_residuals("profile"), self.uncertainty, self.free.names.index(name)
+        residuals, u, index = self._residuals("profile"), self.uncertainty, self.free.names.index(name)
         # With errors that are only relative the rise is measured by the residual variance, which is known so well.
         quantile = stats.chi2.ppf(confidence, 1) if u.absolute else stats.f.ppf(confidence, 1, u.degrees_of_freedom)
         step = 2 * float(np.sqrt(u.covariance_z[index, index]))
@@ -132,7 +133,7 @@ class Fit:
 
         **Raises:** `ValueError` for a fit that was read from a folder, and without the extra.
         """
-        residuals = self._independent_residuals("sample")
+        residuals = self._residuals("sample")
         return posterior(residuals, self.z, key=key, variance=self.uncertainty.variance, draws=draws, chains=chains)
 
     def values_of(self, draws: Posterior) -> dict[str, Float[np.ndarray, "chain draw"]]:
@@ -158,7 +159,8 @@ class Fit:
         said = []
         if self.result not in ENDED:
             said.append(f"The last descent did not converge: {self.result}.")
-        bounds = [f"{name} ({value:.4g})" for name, value in self.values.items() if self._on_bound(name)]
+        sides = zip(self.values.items(), self.uncertainty.on_bound, strict=True)
+        bounds = [f"{name} ({value:.4g})" for (name, value), side in sides if side]
         if bounds:
             said.append(f"On a bound: {', '.join(bounds)}. Wider bounds may fit better.")
         for curve in self.curves:
@@ -172,6 +174,8 @@ class Fit:
                     f"{curve.condition}, {curve.channel}: soft and hard model differ by {curve.gap:.0%} of the "
                     "span; trust the hard one, and errors and intervals with care."
                 )
+        if self.curved:
+            said.append(f"Rough intervals, within which the curves bend: {', '.join(self.curved)}. Profiles are right.")
         return said + sentences(self.uncertainty)
 
     @property
@@ -193,17 +197,9 @@ class Fit:
     def _owner(self, name: str) -> Parameters | Observation:
         return self.model.parameters if name in symbols() else self.observation
 
-    def _on_bound(self, name: str) -> bool:
-        z = self.z[self.free.names.index(name)]
-        return bool(min(z, 1 - z) < ON_BOUND)
-
-    def _independent_residuals(self, what: str) -> Callable[[Float[Array, " free"]], Float[Array, " n"]]:
-        """The residuals at the last temperature, so scaled that correlated ones count as fractions of a sample."""
+    def _residuals(self, what: str) -> Callable[[Float[Array, " free"]], Float[Array, " n"]]:
         if self.problem is None:
             raise ValueError(f"{what} needs the targets, which a result folder does not hold; make the fit anew")
-        problem, known = self.problem, self.problem.known()
-        priors = len(self.free.penalties(self.z))
-        rows = np.flatnonzero(np.concatenate([known, np.ones(priors, bool)]))
-        share = np.concatenate([1 / problem.thinning()[known], np.full(priors, self.uncertainty.variance)])
-        temperature = jnp.asarray(self.temperatures[-1], dtype=float)
-        return lambda z: problem.residuals(z, temperature)[rows] * np.sqrt(share)
+        temperature, variance = jnp.asarray(self.temperatures[-1], dtype=float), jnp.asarray(self.uncertainty.variance)
+        # Arrays as arguments, so that another parameter's profile compiles nothing.
+        return Partial(weighed, self.problem, temperature, variance)

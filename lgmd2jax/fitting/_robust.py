@@ -9,7 +9,7 @@ Loss = Literal["squares", "huber", "soft_l1", "cauchy"]
 LOSSES = get_args(Loss)
 
 
-def robust(residuals: Float[Array, " n"], loss: Loss) -> Float[Array, " n"]:
+def robust(residuals: Float[Array, "*n"], loss: Loss) -> Float[Array, "*n"]:
     """Residuals whose squares are rho(r^2), with rho as in `scipy.optimize.least_squares`; outliers begin at 1.
 
     A residual counts standard errors, so that 1 is one of them; weight the targets for another limit.

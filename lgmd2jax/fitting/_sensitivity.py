@@ -4,7 +4,6 @@ from typing import NamedTuple
 
 import equinox as eqx
 import jax
-import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from lgmd2jax.fitting._problem import Curves, Problem
@@ -24,10 +23,8 @@ def sensitivity(problem: Problem, z: Float[Array, " free"], temperature: Float[A
     """All derivatives in one pass."""
 
     def everything(z):
-        model, observation = problem.at(z, temperature)
-        curves = problem.curves(model, observation, problem.potentials(model))
-        residuals = jnp.concatenate([problem.differences(curves), problem.free.penalties(z)])
-        return (residuals, curves), (residuals, curves)
+        evaluated = problem.evaluated(z, temperature)
+        return evaluated, evaluated
 
     (jacobian, slopes), (residuals, curves) = jax.jacfwd(everything, has_aux=True)(z)
     return Sensitivity(residuals, jacobian, curves, slopes)

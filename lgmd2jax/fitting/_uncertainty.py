@@ -30,8 +30,9 @@ class Uncertainty:
       correlation with them here; its own error is that of all parameters together.
     - `determined`: False for a parameter without influence, for one that others can replace, and for one whose
       interval is the whole range. `on_bound`: -1 at the lower bound, 1 at the upper one, else 0.
-    - `information`: J^T J / variance, with J the slopes of the residuals in the unit box; `covariance_z` is the
-      covariance there. `spectrum`, `directions`: eigenvalues, falling, and eigenvectors in columns: stiff to sloppy;
+    - `information`: J^T J / variance, with J the slopes of the residuals in the unit box; `gradient` that of chi2 /
+      variance, 0 at an optimum within the box; `covariance_z` the covariance there.
+    - `spectrum`, `directions`: eigenvalues of the information, falling, and eigenvectors in columns: stiff to sloppy;
       1 / sqrt(eigenvalue) is the standard error along a direction.
     - `variance`: of a residual; 1 where the errors are `absolute`, else the reduced chi2.
     - `n_effective`: independent samples, `degrees_of_freedom` those that are left. `chi2`, `reduced_chi2`, `aic`,
@@ -50,6 +51,7 @@ class Uncertainty:
     determined: Bool[np.ndarray, " free"]
     on_bound: Int[np.ndarray, " free"]
     information: Float[np.ndarray, "free free"]
+    gradient: Float[np.ndarray, " free"]
     covariance_z: Float[np.ndarray, "free free"]
     spectrum: Float[np.ndarray, " free"]
     directions: Float[np.ndarray, "free free"]
@@ -72,7 +74,7 @@ def uncertainty(
     jacobian: Float[np.ndarray, "n free"],
     residuals: Float[np.ndarray, " n"],
     *,
-    thinning: Float[np.ndarray, " n"],
+    n_effective: float | int,
     absolute: bool,
     priors: int = 0,
     confidence: float = 0.95,
@@ -84,13 +86,11 @@ def uncertainty(
     - `z`: the point in the unit box; `value` maps such points to the parameters' own units, `slopes` is its derivative.
     - `jacobian`, `residuals`: in standard errors, the slopes by z; rows without weight left out. The last `priors`
       rows are penalties: each saves a degree of freedom, and keeps its own width whatever the residual variance.
-    - `thinning`: so many rows make one independent sample; the mean over all ways to thin is taken.
+    - `n_effective`: how many independent samples the rows make; correlated ones are fractions, weighed as such.
     - `absolute`: errors are known; otherwise the residual variance is their scale.
     """
     count, data = len(names), len(residuals) - priors
-    share = 1 / thinning
-    chi2 = float(share[:data] @ np.square(residuals[:data]))
-    n_effective = float(share[:data].sum())
+    chi2 = float(np.square(residuals[:data]).sum())
     degrees = n_effective - max(count - priors, 0)
     reduced = chi2 / degrees if degrees > 0 else np.nan
     variance = 1.0 if absolute else reduced
@@ -99,13 +99,13 @@ def uncertainty(
     on_bound = np.where(z <= _ON_BOUND, -1, np.where(z >= 1 - _ON_BOUND, 1, 0))
     reason = _reason(jacobian, residuals, variance)
     if reason:
-        information = np.full((count, count), np.nan)
+        information, gradient = np.full((count, count), np.nan), np.full(count, np.nan)
         covariance_z, spectrum, directions = np.diag(np.full(count, np.inf)), information[0], information
     else:
         scale = variance or 1.0
-        rows = np.sqrt(share)[:, None] * jacobian / np.sqrt(scale)
-        rows[data:] *= np.sqrt(scale)
-        information = rows.T @ rows
+        weights = np.append(np.full(data, 1 / np.sqrt(scale)), np.ones(priors))
+        rows = weights[:, None] * jacobian
+        information, gradient = rows.T @ rows, 2 * rows.T @ (weights * residuals)
         spectrum, directions = _spectrum(rows)
         covariance_z = _covariance(rows, on_bound != 0) * (variance / scale)
         covariance_z[np.isnan(np.diag(covariance_z)), np.isnan(np.diag(covariance_z))] = np.inf
@@ -131,12 +131,13 @@ def uncertainty(
         determined=np.isfinite(errors_z) & (ends[1] - ends[0] < 1),
         on_bound=on_bound,
         information=information,
+        gradient=gradient,
         covariance_z=covariance_z,
         spectrum=spectrum,
         directions=directions,
         absolute=absolute,
         variance=float(variance),
-        n_effective=n_effective,
+        n_effective=float(n_effective),
         degrees_of_freedom=float(degrees),
         chi2=chi2,
         reduced_chi2=float(reduced),

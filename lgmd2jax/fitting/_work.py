@@ -34,8 +34,13 @@ class Work:
             self.best = loss
             self._bar.set_postfix_str(f"best loss {loss:.4g} of start {start}")
 
-    def do(self, kind: str, task: Callable[[int], dict[str, Any]], numbers: Iterable[int]) -> dict[int, dict[str, Any]]:
-        """The results of the tasks by number, in the order of `numbers`. Those in the memory are not done again."""
+    def do(
+        self, kind: str, task: Callable[[int], dict[str, Any]], numbers: Iterable[int], first: Callable[[], Any] = tuple
+    ) -> dict[int, dict[str, Any]]:
+        """The results of the tasks by number, in the order of `numbers`. Those in the memory are not done again.
+
+        **Arguments:** `first` is called once, alone, where something is left to be done.
+        """
         numbers = list(numbers)
         done = {i: self.memory[f"{kind} {i}"] for i in numbers if f"{kind} {i}" in self.memory}
         self._bar.reset(total=len(numbers))
@@ -58,8 +63,8 @@ class Work:
         futures = {}
         try:
             if left:
-                keep(left[0], one(left[0]))  # alone, so that the others find everything compiled
-            futures = {pool.submit(one, number): number for number in left[1:]}
+                first()
+            futures = {pool.submit(one, number): number for number in left}
             for future in as_completed(futures):
                 keep(futures[future], future.result())
         except KeyboardInterrupt:

@@ -47,6 +47,7 @@ def made(
     screened: Sequence[float] = (1.5, 2.5, 30.0),
     temperatures: tuple[float, ...] = (0.5, 0.2),
     result: str = "converged",
+    curved: tuple[str, ...] = (),
 ) -> Fit:
     """A fit that ended at `z`, with the uncertainty of a Jacobian, by default one of full rank."""
     p = len(free)
@@ -71,9 +72,10 @@ def made(
             free.slopes(place),
             jacobian,
             0.3 * generator.normal(size=len(jacobian)),
-            thinning=np.full(len(jacobian), 2.0),
+            n_effective=len(jacobian) / 2,
             absolute=False,
         ),
+        curved=curved,
         curves=tuple(curves),
         runs=tuple(runs if runs is not None else [run(free=p), run(3.0, free=p)]),
         screened=tuple(screened),

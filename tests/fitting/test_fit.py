@@ -164,12 +164,21 @@ def test_a_robust_loss_is_not_pulled_by_outliers(looms):
 
 
 def test_ties_and_priors(looms):
+    """A prior as precise as the data, two of their standard errors away, draws the value half the way."""
     soft = lgmd.Soft(1.0)
     truth = model_of(soft, **TRUTH)
-    free = lgmd.Free(k=lgmd.Log(0.1, 2, prior=(0.8, 1e-4)), theta2=(1, 6), theta1=lgmd.Tie("theta2"))
-    fit = lgmd.fit(model_of(soft, tau3=250.0), conditions(looms, truth), free, key=KEY, **QUICK)
-    assert fit.parameters.theta1 == fit.parameters.theta2
-    np.testing.assert_allclose(fit.values["k"], 0.8, rtol=1e-2)
+    known = [(stimulus, lgmd.Weighted(lgmd.ModelTarget(model=truth), error=1e-3)) for stimulus in looms]
+
+    def fitted(k):
+        free = lgmd.Free(k=k, theta2=(1, 6), theta1=lgmd.Tie("theta2"))
+        return lgmd.fit(model_of(soft, tau3=250.0), known, free, key=KEY, **QUICK)
+
+    alone = fitted(lgmd.Log(0.1, 2))
+    assert alone.parameters.theta1 == alone.parameters.theta2
+    error = alone.uncertainty.standard_errors[alone.free.names.index("k")]
+    drawn = fitted(lgmd.Log(0.1, 2, prior=(alone.values["k"] + 2 * error, error)))
+    np.testing.assert_allclose((drawn.values["k"] - alone.values["k"]) / error, 1, atol=0.05)
+    np.testing.assert_allclose(drawn.uncertainty.standard_errors[0] / error, np.sqrt(0.5), rtol=0.05)
 
 
 def test_degenerate_cases_end_well(looms):

@@ -12,7 +12,7 @@ def known(jacobian):
     """The uncertainty of data with known errors, in the unit box."""
     n, p = jacobian.shape
     given = NAMES[:p], np.full(p, 0.5), lambda z: z, np.ones(p), jacobian, np.zeros(n)
-    return uncertainty(*given, thinning=np.ones(n), absolute=True)
+    return uncertainty(*given, n_effective=n, absolute=True)
 
 
 def test_errors_shrink_as_in_a_fit_to_all_data():

@@ -1,9 +1,10 @@
-"""Known parameters come back and hard curves are met: three sets each, twenty as `slow`."""
+"""Known parameters come back, hard curves are met, intervals cover the truth: three sets each, many as `slow`."""
 
+import numpy as np
 import pytest
 
 import lgmd2jax as lgmd
-from benchmarks.twins import eye_of, stimuli, twin
+from benchmarks.twins import SEARCH, WITHOUT_ON, covered, eye_of, stimuli, twin
 
 QUICK = {"pixel_points": 64, "cell_points": 512}
 
@@ -41,3 +42,12 @@ def test_hard_twins_answer_alike(shown, seed):
 def test_hard_twins_answer_alike_on_18_of_20_sets(shown):
     twins = [twin(seed, lgmd.Hard(), shown) for seed in range(20)]
     assert sum(it.rmse <= 0.01 and it.miscounted <= 0.02 for it in twins) >= 18
+
+
+@pytest.mark.slow
+def test_intervals_cover_the_truth_as_often_as_they_say(shown):
+    """200 noisy twins; a share of 95 % lies within 90 to 98 % unless one is unlucky by more than two deviations."""
+    held, known = np.moveaxis(np.array([covered(seed, 0.002, shown, **SEARCH) for seed in range(200)]), 1, 0)
+    for name, holds, judged in zip(WITHOUT_ON.names, held.T, known.T, strict=True):
+        assert judged.sum() > 100, name
+        assert 0.90 <= holds[judged].mean() <= 0.98, name

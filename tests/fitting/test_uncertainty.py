@@ -42,7 +42,7 @@ def fitted(error=1.0):
     return theirs, values, np.asarray(jax.jacfwd(residuals)(jnp.asarray(values))), np.asarray(residuals(values))
 
 
-def in_box(values, jacobian, residuals, names=NAMES, thinning=None, absolute=False, priors=0):
+def in_box(values, jacobian, residuals, names=NAMES, n_effective=None, absolute=False, priors=0):
     return uncertainty(
         names,
         values / SIZE,
@@ -50,7 +50,7 @@ def in_box(values, jacobian, residuals, names=NAMES, thinning=None, absolute=Fal
         np.full(len(values), SIZE),
         jacobian * SIZE,
         residuals,
-        thinning=np.ones(len(residuals)) if thinning is None else thinning,
+        n_effective=len(residuals) - priors if n_effective is None else n_effective,
         absolute=absolute,
         priors=priors,
     )
@@ -76,7 +76,9 @@ def test_covariance_and_criteria_of_lmfit(error):
 def test_samples_that_repeat_each_other_count_once():
     _, values, jacobian, residuals = fitted()
     once = in_box(values, jacobian, residuals)
-    thrice = in_box(values, np.repeat(jacobian, 3, 0), np.repeat(residuals, 3), thinning=np.full(180, 3.0))
+    thrice = in_box(
+        values, np.repeat(jacobian, 3, 0) / np.sqrt(3), np.repeat(residuals, 3) / np.sqrt(3), n_effective=60
+    )
     for name in ("covariance", "intervals", "chi2", "n_effective", "aic", "bic", "degrees_of_freedom", "spectrum"):
         np.testing.assert_allclose(getattr(thrice, name), getattr(once, name), rtol=1e-10)
 
@@ -158,7 +160,7 @@ def test_on_a_logarithmic_scale_intervals_are_factors():
     def made(jacobian):
         place = np.log(values / low) / np.log(high / low)
         given = place, lambda z: low * (high / low) ** z, slopes, jacobian * slopes, residuals
-        return uncertainty(NAMES, *given, thinning=np.ones(60), absolute=True)
+        return uncertainty(NAMES, *given, n_effective=60, absolute=True)
 
     ours = made(jacobian)
     np.testing.assert_allclose(ours.values, values)

@@ -1,0 +1,74 @@
+"""Intervals by linearisation are called rough where chi2 does not rise as they say, and only there."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import lgmd2jax as lgmd
+from lgmd2jax.fitting._linearity import curved
+from lgmd2jax.fitting._uncertainty import uncertainty
+
+FREE = lgmd.Free(theta2=None, tau1=lgmd.Linear(), w_bias=None)
+MATRIX = np.random.default_rng(0).normal(size=(60, 3))
+NOISE = 1e-3
+NOISES = NOISE * np.random.default_rng(1).normal(size=60)
+MIDDLE = np.array([0.4, 0.6, 0.5])
+
+
+def judged(bent, z=MIDDLE, noise=1.0):
+    """The verdict on curves that are linear in a bent version of the point."""
+
+    def residuals(point):
+        return MATRIX @ (bent(point) - bent(jnp.asarray(z))) + noise * NOISES
+
+    u = uncertainty(
+        FREE.names,
+        z,
+        FREE.unpacked,
+        FREE.slopes(z),
+        np.asarray(jax.jacfwd(residuals)(jnp.asarray(z))),
+        np.asarray(residuals(jnp.asarray(z))),
+        n_effective=60,
+        absolute=False,
+    )
+    return curved(residuals, z, u)
+
+
+def bend(index, curvature):
+    def bent(z):
+        return z.at[index].add(curvature * jnp.square(z[index] - MIDDLE[index]))
+
+    return bent
+
+
+def test_linear_curves_are_straight():
+    assert judged(lambda z: z) == ()
+
+
+@pytest.mark.parametrize("index", range(3))
+def test_only_the_parameter_that_bends_is_named(index):
+    # Two standard errors are about 2 NOISE / sqrt(60) in the box.
+    reach = 2 * NOISE / np.sqrt(60)
+    assert judged(bend(index, 0.05 / reach)) == ()
+    assert judged(bend(index, 1 / reach)) == (FREE.names[index],)
+
+
+def test_smaller_noise_straightens_the_same_curves():
+    bent = bend(1, np.sqrt(60) / (2 * NOISE))
+    assert judged(bent) == ("tau1",)
+    assert judged(bent, noise=0.01) == ()
+    assert judged(bent, noise=0.0) == ()
+
+
+def test_at_a_wall_the_other_side_is_judged():
+    z = np.array([0.0, 0.6, 0.5])
+    assert judged(lambda point: point, z=z) == ()
+    assert judged(lambda point: point.at[0].add(5e3 * jnp.square(point[0])), z=z) == ("theta2",)
+
+
+def test_what_is_not_determined_is_not_judged():
+    def bent(z):
+        return z.at[2].set(0.0)
+
+    assert judged(bent) == ()
