@@ -2,8 +2,16 @@
 
 from lgmd2jax import fitting as fitting, stimuli as stimuli
 from lgmd2jax._ablation import ABLATIONS as ABLATIONS, ablate as ablate
+from lgmd2jax._characterise import (
+    Characterisation as Characterisation,
+    Finding as Finding,
+    ablations as ablations,
+    characterise as characterise,
+    rasters as rasters,
+)
 from lgmd2jax._export import load as load, save as save
 from lgmd2jax._eye import Eye as Eye
+from lgmd2jax._frame_rate import at_frame_rate as at_frame_rate
 from lgmd2jax._looming_law import LoomingLaw as LoomingLaw
 from lgmd2jax._model import LGMD2 as LGMD2, Response as Response, State as State
 from lgmd2jax._model_target import ModelTarget as ModelTarget

@@ -5,7 +5,14 @@ import sys
 
 import jax
 
-from lgmd2jax import _command_export, _command_fit, _command_predict, _command_respond, _command_stimuli
+from lgmd2jax import (
+    _command_characterise,
+    _command_export,
+    _command_fit,
+    _command_predict,
+    _command_respond,
+    _command_stimuli,
+)
 
 
 class _Parser(argparse.ArgumentParser):
@@ -19,7 +26,14 @@ def main(arguments: list[str] | None = None) -> int:
     """Run one command and return its exit status: 0, else with one line on standard error."""
     parser = _Parser(prog="lgmd2jax", description="The LGMD2 collision detector of juvenile locusts.")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
-    for command in (_command_respond, _command_fit, _command_predict, _command_stimuli, _command_export):
+    for command in (
+        _command_respond,
+        _command_fit,
+        _command_predict,
+        _command_characterise,
+        _command_stimuli,
+        _command_export,
+    ):
         command.add(commands)
     options = parser.parse_args(arguments)
     jax.config.update("jax_enable_x64", True)

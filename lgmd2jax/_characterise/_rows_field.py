@@ -1,0 +1,62 @@
+"""Rows 16, 17 and 21: what fills the field, and what lies beside it."""
+
+import jax.numpy as jnp
+import numpy as np
+
+from lgmd2jax._characterise import _trials as trials
+from lgmd2jax._characterise._curves import Curves, highest, mean
+from lgmd2jax._characterise._row import SAME, Line, row
+from lgmd2jax._characterise._rows_selectivity import top
+from lgmd2jax._characterise._trials import DEVIATIONS, DRIFTING, GRATING_MS, GRATINGS, PARTS, STEPS, STILL
+
+SETTLED_MS = 300.0
+CHANGES = tuple(
+    (part, sign * size, ramp)
+    for part in PARTS
+    for sign in (1, -1)
+    for size, ramp in (*((step, 0.0) for step in STEPS), (STEPS[-1], 1000.0))
+)
+
+
+@row(
+    16,
+    "gratings are answered at first alone",
+    Line("mean R, 300..2,000 ms, at most", high=0.1),
+    Line("peak in the first 300 ms, at most", high=0.35),
+    Line("burst at the stop, at most"),
+)
+def gratings(it: Curves):
+    """.05, .1, .2 cyc/deg at 1, 4, 10 Hz as far as the eye samples them, Michelson 1 on 110; the worst of them."""
+    stack = it(*(name for name in (trials.grating(*each) for each in GRATINGS) if name in it.exam.places))
+    first, late = stack.between(0.0, SETTLED_MS), stack.between(SETTLED_MS, GRATING_MS)
+    return tuple(jnp.max(each) for each in (mean(stack, late), highest(stack, first), highest(stack, stack.after())))
+
+
+@row(17, "changes of light", *(Line(trials.change(*each), high=0.15) for each in CHANGES))
+def changes_of_light(it: Curves):
+    """Largest R from the onset to the end of the clip, up from 60 and down from 200, whole field and its quarter."""
+    stack = it(*(trials.change(*each) for each in CHANGES))
+    return tuple(highest(stack, stack.between(stack.begin, np.inf)))
+
+
+@row(
+    21,
+    "what else moves, and near misses",
+    Line("photograph drifting at 20 deg/s changes R by", high=-SAME, evidence="A"),
+    Line("largest step of R with deviation", high=SAME, evidence="A"),
+    Line("R straight on above R 40 deg off by", low=0.05),
+    Line("half-width (animal 2..3)", "deg", evidence="A"),
+)
+def elsewhere(it: Curves):
+    """Loom over "gravel" of its own levels, drifting against still; and looms 0, 10, 20, 40 deg off the eye."""
+    still, drifting = top(it, STILL, DRIFTING)
+    tops = top(it, *map(trials.deviating, DEVIATIONS))
+    return drifting - still, jnp.max(jnp.diff(tops)), tops[0] - tops[-1], half_width(tops)
+
+
+def half_width(tops):
+    """The deviation at which R has fallen to half, interpolated; infinite where it does not."""
+    half, widths = tops[0] / 2, []
+    for left, right, a, b in zip(DEVIATIONS, DEVIATIONS[1:], tops, tops[1:], strict=False):
+        widths.append(jnp.where((a >= half) & (b < half), left + (right - left) * (a - half) / (a - b), jnp.inf))
+    return jnp.min(jnp.stack(widths))

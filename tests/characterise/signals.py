@@ -1,0 +1,124 @@
+"""Made-up neurons: a response for every stimulus of the exam, without a network and without a picture."""
+
+import math
+from collections.abc import Callable, Mapping
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+import lgmd2jax as lgmd
+from lgmd2jax._characterise import _trials as trials
+from lgmd2jax._characterise._curves import Curves, normalised
+from lgmd2jax._characterise._exam import Exam
+from lgmd2jax._characterise._measured import Measured, measured
+
+EYE = lgmd.Eye(rows=48, cols=64, degrees_per_pixel=2.0, fps=100.0)
+EXAM = Exam(EYE)
+
+Signal = Callable[[np.ndarray], np.ndarray]  # R at times in ms
+Neuron = dict[str, Signal]
+
+
+def eta(l_over_v: float, peak: float = 1.0, alpha: float = 4.4, delta: float = 28.7) -> Signal:
+    """The looming law from 2 degrees on, with a top of `peak`; delta holds the frame that a row takes off."""
+
+    def law(time):
+        theta = 2 * np.arctan2(l_over_v, delta - time)
+        moves = theta >= np.radians(2)
+        return moves * 2 * l_over_v / ((time - delta) ** 2 + l_over_v**2) * np.exp(-alpha * theta)
+
+    at = delta - alpha * l_over_v
+    return lambda time: peak * law(time) / law(np.array(at))
+
+
+def onset(peak: float, decay: float) -> Signal:
+    """A start at 0 ms that decays exponentially."""
+    return lambda time: np.where(time >= 0, peak * np.exp(-np.maximum(time, 0) / decay), 0.0)
+
+
+def bump(at: float, height: float, width: float) -> Signal:
+    """A Gaussian."""
+    return lambda time: height * np.exp(-(((time - at) / width) ** 2) / 2)
+
+
+def step(height: float, start: float = 0.0, stop: float = math.inf) -> Signal:
+    """A plateau."""
+    return lambda time: np.where((time >= start) & (time < stop), height, 0.0)
+
+
+def added(*signals: Signal) -> Signal:
+    """The sum."""
+    return lambda time: sum((signal(time) for signal in signals), np.zeros(len(time)))
+
+
+def ideal() -> Neuron:
+    """A neuron that has all 22 properties."""
+    neuron = {}
+    for speed in trials.L_OVER_V:
+        neuron[trials.loom(speed)] = eta(speed, (speed / 40) ** -0.1)
+    for speed in trials.FINE_RATES:
+        neuron[trials.loom(speed, fine=True)] = neuron[trials.loom(speed)]
+    for weber in trials.CONTRASTS:
+        neuron[trials.contrast(weber)] = eta(40.0, (abs(weber) / 0.9) ** 0.2)
+    for name in (trials.HALVED, trials.SQUARE, trials.CHECKS, trials.STILL):
+        neuron[name] = eta(40.0)
+    neuron[trials.DRIFTING] = eta(40.0, 0.6)
+    for degrees in trials.DEVIATIONS:
+        neuron[trials.deviating(degrees)] = eta(40.0, math.exp(-degrees / 15))
+    for scene in (str, trials.textured):
+        neuron[scene(trials.REFERENCE)] = eta(40.0)
+        neuron[scene(trials.LIGHT_LOOM)] = eta(40.0, 0.15)
+        neuron[scene(trials.RECESSION)] = onset(0.2, 40.0)
+        neuron[scene(trials.translation())] = onset(0.3, 150.0)
+        for shade in ("dark", "light"):
+            for grows in (True, False):
+                strong = grows == (shade == "dark")
+                neuron[scene(trials.bar(shade, grows))] = onset(0.4 if strong else 0.05, 200.0)
+    neuron[trials.LIGHT_RECESSION] = onset(0.8, 60.0)
+    for speed in trials.SPEEDS:
+        neuron[trials.translation(speed)] = onset(0.3 * (speed / 60) ** 0.5, 150.0)
+    for direction in trials.DIRECTIONS:
+        neuron[trials.translation(direction=direction)] = onset(0.3, 150.0)
+    neuron[trials.accelerating("linear")] = onset(0.35, 150.0)
+    neuron[trials.accelerating("accelerating")] = onset(0.4, 150.0)
+    for each in trials.GRATINGS:
+        neuron[trials.grating(*each)] = added(onset(0.2, 80.0), step(0.5, trials.GRATING_MS + 20, 2100.0))
+    for group in EXAM.groups:
+        for trial in group:
+            neuron.setdefault(trial.name, onset(0.1, 30.0))  # changes of light
+    return neuron
+
+
+def unadapted(neuron: Neuron) -> Neuron:
+    """The same before adaptation: translation lasts longer."""
+    return neuron | {trials.translation(): onset(0.3, 400.0)}
+
+
+def potentials(neuron: Mapping[str, Signal], exam: Exam = EXAM, gain: float = 0.4) -> list[np.ndarray]:
+    """SMP for each group of trials."""
+    return [np.stack([0.5 + gain * neuron[trial.name](trial.time) for trial in group]) for group in exam.groups]
+
+
+@eqx.filter_jit
+def _measured(smp, smp_adapted) -> Measured:
+    return measured(normalised(EXAM, smp, smp_adapted))
+
+
+def seen(adapted: Neuron, before: Neuron | None = None, gain: float = 0.4) -> Measured:
+    """What the exam reads from a neuron."""
+    before = unadapted(adapted) if before is None else before
+    return jax.device_get(
+        _measured(*([jnp.asarray(it) for it in potentials(each, gain=gain)] for each in (before, adapted)))
+    )
+
+
+def curves(neuron: Neuron, *names: str) -> Curves:
+    """Curves of some trials alone."""
+    exam = Exam(EYE, only=(trials.REFERENCE, *names))
+    made = [jnp.asarray(it) for it in potentials({trials.REFERENCE: eta(40.0)} | neuron, exam)]
+    return _normalised(exam, made, made)
+
+
+_normalised = eqx.filter_jit(normalised)
