@@ -11,8 +11,8 @@ def pool(x: Map, weight: float = 1.0) -> Float[Array, ""]:
 
     It is written as products with constant vectors, since a plain sum is a chain of scalar additions on a CPU and costs
     as much as the rest of a frame. With the weight inside, nothing is left that a single step would fuse into the cell
-    and a scan would not, so that both round alike.
+    and a scan would not, so that both round alike. Along rows first: the other order makes a batch transpose its maps.
     """
     rows, cols = x.shape
     left, right = jnp.full(rows, weight, x.dtype), jnp.ones(cols, x.dtype)
-    return jnp.dot(jnp.dot(left, x, precision="highest"), right, precision="highest")
+    return jnp.dot(left, jnp.dot(x, right, precision="highest"), precision="highest")

@@ -1,0 +1,37 @@
+"""What XLA launches for a frame: the instructions in the body of the scan over frames, once compiled."""
+
+import re
+
+import jax
+import jax.numpy as jnp
+
+import lgmd2jax as lgmd
+from benchmarks import _library
+from benchmarks._task import FPS, Size
+
+# These name or bundle what is there; all else is work.
+_FREE = {"parameter", "constant", "tuple", "get-tuple-element", "bitcast"}
+_INSTRUCTION = re.compile(r"^\s+(?:ROOT )?%\S+ = (?:\(.*?\)|\S+) ([\w-]+)\(", re.MULTILINE)
+
+
+def kernels_per_frame(size: Size) -> dict[str, int]:
+    """How many instructions of each kind a frame of the hard forward costs, cell not counted."""
+    frames = jax.ShapeDtypeStruct((60, *size), jnp.float32)
+    respond = jax.jit(lambda parameters, frames: lgmd.LGMD2(parameters)(frames, FPS))
+    text = respond.lower(_library.parameters(), frames).compile().as_text()
+    assert text is not None
+    return count_instructions(_pixel_loop(text, size))
+
+
+def count_instructions(computation: str) -> dict[str, int]:
+    """The instructions of a computation by kind, but for those that cost nothing."""
+    kinds = [kind for kind in _INSTRUCTION.findall(computation) if kind not in _FREE]
+    return {kind: kinds.count(kind) for kind in sorted(set(kinds))}
+
+
+def _pixel_loop(text: str, size: Size) -> str:
+    """The body of the loop that carries maps, not of the one over the cell."""
+    shape = f"f32[{size.rows},{size.cols}]"
+    names = [re.search(r"body=(%[\w.-]+)", line) for line in text.splitlines() if " while(" in line and shape in line]
+    (name,) = {found[1] for found in names if found}
+    return text[re.search(rf"^{re.escape(name)} \(", text, re.MULTILINE).start() :].split("\n}")[0]

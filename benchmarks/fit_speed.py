@@ -1,0 +1,51 @@
+"""How much faster fits are by the exact sensitivities: python -m benchmarks.fit_speed twin lgmd2
+
+Each recipe is fitted in a fresh process, compilation included, once with the library's derivative of the pixel stage
+and once with plain differentiation of the same scan. Both see the same starts.
+"""
+
+import argparse
+import subprocess
+import sys
+import time
+
+import jax
+
+from lgmd2jax._pixels import scan_pixels
+from lgmd2jax._recipe import load_recipe
+from lgmd2jax.fitting import _problem
+
+RULES = {"exact": _problem.potentials, "plain": scan_pixels}
+
+
+def seconds(recipe: str, rule: str) -> float:
+    """Of a whole fit in a process of its own."""
+    command = [sys.executable, "-m", "benchmarks.fit_speed", recipe, "--rule", rule]
+    return float(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
+
+
+def _fit_here(recipe: str, rule: str) -> float:
+    jax.config.update("jax_enable_x64", True)
+    _problem.potentials = RULES[rule]
+    began = time.monotonic()
+    load_recipe(recipe).run()
+    return time.monotonic() - began
+
+
+def main() -> None:
+    """Time the fits and print a line for each."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("recipes", nargs="+", metavar="RECIPE", help="by name or path")
+    parser.add_argument("--rule", choices=RULES, help="only this one, here, and only its seconds are printed")
+    options = parser.parse_args()
+    if options.rule:
+        print(_fit_here(options.recipes[0], options.rule))
+        return
+    print("recipe       exact s   plain s   ratio")
+    for recipe in options.recipes:
+        exact, plain = seconds(recipe, "exact"), seconds(recipe, "plain")
+        print(f"{recipe:10}{exact:10.1f}{plain:10.1f}{plain / exact:8.2f}", flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,234 @@
+"""Speed and memory beside the peers, all in one run: python -m benchmarks.speed
+
+Every subject is called once a round, one after the other, over several rounds. Times are medians, in microseconds a
+frame a stimulus, with compilation apart; ratios are medians of the ratios of each round. A peer is checked against
+`lgmd2jax.hard` before it is timed, and one that is not installed is left out.
+"""
+
+import argparse
+import dataclasses
+import functools
+import json
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from tqdm import tqdm
+
+import lgmd2jax as lgmd
+from benchmarks import _gradient_memory, _kernels, _library, _peers, _roofline
+from benchmarks._claims import Claim, claims
+from benchmarks._task import FPS, LARGE, ROBOT, SMALL, VALUES, Size, film
+from benchmarks._timing import Timing, time_together
+from lgmd2jax._files import replaced
+
+FRAMES, BATCH, SWEEP = 60, 64, 20
+# The name for the fastest of several ways to do the same.
+BEST = {
+    "batch, best": ("batch, vmap", "batch, map", "batch, map on each device"),
+    "PyTorch": ("PyTorch, one thread", "PyTorch, all threads"),
+    "PyTorch gradient": ("PyTorch gradient, one thread", "PyTorch gradient, all threads"),
+}
+
+
+@dataclasses.dataclass(frozen=True)
+class Subject:
+    """A call to time, how many frames it works through, and whether it was compiled before, by the check of peers."""
+
+    call: Callable[[], object]
+    frames: int = FRAMES
+    compiled: bool = False
+
+
+@dataclasses.dataclass(frozen=True)
+class Row:
+    """What was measured of a subject."""
+
+    timing: Timing
+    frames: int
+    compiled: bool
+
+    @property
+    def compile(self) -> float | None:
+        """Seconds; None where it happened before."""
+        return None if self.compiled else self.timing.compile
+
+    @property
+    def microseconds(self) -> float:
+        return 1e6 * self.timing.median / self.frames
+
+    def over(self, other: "Row") -> float:
+        """How many times the other's time a frame."""
+        return self.timing.over(other.timing) * other.frames / self.frames
+
+
+@dataclasses.dataclass(frozen=True)
+class Run:
+    """All that one run of the benchmark measured."""
+
+    rows: Mapping[Size, Mapping[str, Row]]
+    memory: Mapping[tuple[str, int], _gradient_memory.GradientMemory]
+    machine: _roofline.Machine | None
+    kernels: Mapping[Size, Mapping[str, int]]
+
+    def ratio(self, subject: str, other: str, size: Size) -> float | None:
+        """How many times the time of another a subject takes a frame; None where one of them is missing."""
+        mine, its = self._find(subject, size), self._find(other, size)
+        return None if mine is None or its is None else mine.over(its)
+
+    def _find(self, name: str, size: Size) -> Row | None:
+        rows = self.rows[size]
+        found = [rows[each] for each in BEST.get(name, (name,)) if each in rows]
+        return min(found, key=lambda row: row.microseconds, default=None)
+
+
+def library_subjects(size: Size) -> dict[str, Subject]:
+    """The library, and plain differentiation of its scan."""
+    frames = jnp.asarray(film(size, FRAMES))
+    made = {
+        "forward hard": _library.forward(lgmd.Hard()),
+        "forward soft": _library.forward(lgmd.Soft()),
+        "gradient": _library.gradient(),
+        "jacobian": _library.jacobian(),
+        "naive gradient": _library.naive_gradient(),
+        "naive jacobian": _library.naive_jacobian(),
+    }
+    return {name: Subject(functools.partial(function, frames)) for name, function in made.items()}
+
+
+def batch_subjects() -> dict[str, Subject]:
+    """A batch at the small size, and a sweep with its stimuli."""
+    films = jnp.stack([jnp.asarray(film(SMALL, FRAMES, seed)) for seed in range(BATCH)])
+    over_devices = _library.spread(films)
+    made = {
+        "batch, vmap": functools.partial(_library.vmapped(), films),
+        "batch, map": functools.partial(_library.mapped(), films),
+        "batch, map on each device": functools.partial(_library.sharded(), over_devices),
+    }
+    return {name: Subject(call, BATCH * FRAMES) for name, call in made.items()}
+
+
+def peer_subjects(size: Size) -> dict[str, Subject]:
+    """The peers that are installed and compute the same network."""
+    frames = film(size, FRAMES)
+    subjects = {}
+    if loop := _peers.find("_numba_loop"):
+        subjects["numba loop"] = Subject(lambda: loop.respond(frames, VALUES, FPS))
+        if size == SMALL:
+            films = np.stack([film(size, FRAMES, seed) for seed in range(BATCH)])
+            subjects["numba loop, batch on all threads"] = Subject(
+                lambda: loop.respond_batch(films, VALUES, FPS), BATCH * FRAMES
+            )
+    if opencv := _peers.find("_opencv"):
+        subjects["OpenCV + NumPy"] = Subject(lambda: opencv.respond(frames, VALUES, FPS))
+    if torch := _peers.find("_torch"):
+        for threads, words in ((1, "one thread"), (None, "all threads")):
+            subjects[f"PyTorch, {words}"] = Subject(lambda n=threads: torch.respond(frames, VALUES, FPS, n))
+            subjects[f"PyTorch gradient, {words}"] = Subject(lambda n=threads: torch.gradient(frames, VALUES, FPS, n))
+    return {name: dataclasses.replace(subject, compiled=True) for name, subject in subjects.items()}
+
+
+def measure(quick: bool) -> Run:
+    """Measure everything."""
+    sweep = 4 if quick else SWEEP
+    rows = {}
+    for size in tqdm((SMALL, ROBOT, LARGE), desc="speed", leave=False):
+        subjects = library_subjects(size) | peer_subjects(size)
+        if size == SMALL:
+            subjects |= batch_subjects()
+            subjects[f"sweep of {sweep**2}, stimuli included"] = Subject(_library.sweep(sweep, sweep), sweep**2 * 100)
+        timings = time_together({name: it.call for name, it in subjects.items()}, rounds=3 if quick else 11)
+        rows[size] = {
+            name: Row(timing, subjects[name].frames, subjects[name].compiled) for name, timing in timings.items()
+        }
+    cases = [("exact", 60), ("exact", 600), ("exact", 6000), ("naive", 60), ("naive", 600)]
+    if quick:
+        cases = [("exact", 60), ("exact", 600), ("naive", 60)]
+    memory = {case: _gradient_memory.measure(*case) for case in tqdm(cases, desc="memory", leave=False)}
+    machine = _roofline.measure(tuple(rows)) if _peers.find("_numba_loop") else None
+    return Run(rows, memory, machine, {size: _kernels.kernels_per_frame(size) for size in rows})
+
+
+def table(run: Run) -> str:
+    """The figures, as lines."""
+    lines = ["size     subject                              us a frame  x forward hard  compile s  x roofline"]
+    for size, rows in run.rows.items():
+        for name, row in rows.items():
+            over = row.over(rows["forward hard"])
+            compiling = "-" if row.compile is None else f"{row.compile:.1f}"
+            limit = f"{row.microseconds / 1e6 / run.machine.seconds(size):10.1f}" if run.machine else ""
+            lines.append(f"{size!s:8} {name:36}{row.microseconds:11.1f}{over:16.2f}{compiling:>11}  {limit}")
+    lines += ["", "memory of the gradient at 240x320, frames not counted"]
+    for (rule, time), memory in run.memory.items():
+        grown = "" if memory.grown is None else f"   the process grew by {memory.grown / 1e6:8.1f} MB"
+        lines.append(f"{rule:6} {time:5} frames   temporary {memory.temporary / 1e6:8.1f} MB{grown}")
+    if run.machine:
+        cached = ", ".join(f"{value / 1e9:.0f} GB/s at {size}" for size, value in run.machine.cached.items())
+        lines += [
+            "",
+            f"roofline of one core: {run.machine.memory / 1e9:.1f} GB/s from memory; {cached}; "
+            f"{run.machine.peak / 1e9:.0f} Gflop/s",
+            f"a frame in one pass: {_roofline.BYTES} bytes and {_roofline.FLOPS} flops a pixel, hence at best "
+            + ", ".join(f"{1e6 * run.machine.seconds(size):.1f} us at {size}" for size in run.rows),
+        ]
+    lines += [""]
+    for size, kinds in run.kernels.items():
+        parts = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
+        lines.append(f"kernels a frame, forward hard, {size}: {sum(kinds.values())} ({parts})")
+    return "\n".join(lines)
+
+
+def claims_table(found: list[Claim]) -> str:
+    """The claims, as lines."""
+    lines = ["claim                                                    measured     bound  holds"]
+    for claim in found:
+        verdict = "yes" if claim.holds else "NO"
+        lines.append(f"{claim.text:55}{claim.measured:10.2f}{claim.bound:10.2f}  {verdict}")
+    return "\n".join(lines)
+
+
+def as_json(run: Run, found: list[Claim]) -> str:
+    """The same, for programs."""
+    rows = [
+        {"size": str(size), "subject": name, "us_per_frame": row.microseconds, "compile_s": row.compile}
+        for size, rows in run.rows.items()
+        for name, row in rows.items()
+    ]
+    memory = [{"rule": rule, "frames": time, **dataclasses.asdict(it)} for (rule, time), it in run.memory.items()]
+    machine = run.machine and {
+        "memory_bytes_per_s": run.machine.memory,
+        "cached_bytes_per_s": {str(size): value for size, value in run.machine.cached.items()},
+        "peak_flops_per_s": run.machine.peak,
+    }
+    kernels = {str(size): kinds for size, kinds in run.kernels.items()}
+    verdicts = [{**dataclasses.asdict(claim), "holds": claim.holds} for claim in found]
+    content = {"speed": rows, "memory": memory, "machine": machine, "kernels": kernels, "claims": verdicts}
+    return json.dumps(content, indent=1) + "\n"
+
+
+def main() -> None:
+    """Run the benchmark and print its tables."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--quick", action="store_true", help="3 rounds instead of 11, a smaller sweep, less memory")
+    parser.add_argument("--json", metavar="FILE", type=Path, help="write the figures here too")
+    options = parser.parse_args()
+    jax.config.update("jax_num_cpu_devices", 2)
+    for module, package in _peers.PACKAGES.items():
+        peer = _peers.find(module)
+        if peer is None:
+            print(f"{package} is missing and left out; to compare: pip install {package}")
+        else:
+            seconds = _peers.check(package, peer.respond)
+            print(f"{package} computes the network of lgmd2jax.hard; first call {seconds:.1f} s")
+    run = measure(options.quick)
+    found = list(claims(run))
+    print(table(run), claims_table(found), sep="\n\n")
+    if options.json:
+        with replaced(options.json) as temporary:
+            temporary.write_text(as_json(run, found), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

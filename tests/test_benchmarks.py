@@ -1,0 +1,106 @@
+"""The benchmark: its clock, its count of kernels, and that the peers compute the network that they are compared on."""
+
+import itertools
+
+import jax
+import numpy as np
+import pytest
+
+import lgmd2jax as lgmd
+from benchmarks import _kernels, _peers
+from benchmarks._task import FPS, PARAMETERS, VALUES, Size, film
+from benchmarks._timing import time_together
+from lgmd2jax.hard import HardLGMD2
+
+FRAMES = film(Size(25, 31), 60)
+
+
+def peer(module):
+    found = _peers.find(module)
+    return found if found else pytest.skip(f"{_peers.PACKAGES[module]} is not installed")
+
+
+def test_the_film_passes_every_threshold_in_both_directions():
+    response = HardLGMD2(PARAMETERS, FPS)(FRAMES)
+    assert set(response.spikes) == {0, 1, 2}
+    assert set(response.collision) == {False, True}
+    assert len(np.unique(response.ffi > VALUES.T_ffi)) == 2
+
+
+@pytest.mark.parametrize("module", _peers.PACKAGES)
+def test_peers_compute_the_network(module):
+    _peers.check(module, peer(module).respond)
+
+
+def test_a_peer_that_computes_something_else_is_refused():
+    def respond(frames, values, fps):
+        return HardLGMD2({**PARAMETERS, "w_bias": 0.31}, fps)(frames)
+
+    with pytest.raises(ValueError, match="mp of frame"):
+        _peers.check("a peer", respond)
+
+
+def test_the_numba_loop_over_a_batch():
+    loop = peer("_numba_loop")
+    films = np.stack([FRAMES, FRAMES[:, ::-1].copy()])
+    batch = loop.respond_batch(films, VALUES, FPS)
+    for found, frames in zip(batch, films, strict=True):
+        np.testing.assert_array_equal(found, loop.respond(frames, VALUES, FPS))
+
+
+@pytest.mark.slow
+def test_the_gradient_of_pytorch():
+    found = peer("_torch").gradient(FRAMES, VALUES, FPS)
+    # In single precision like PyTorch: there the slope by T_sfa, which U(t) - U(t-1) is compared with, is 1 % off.
+    parameters = lgmd.Parameters(**VALUES._asdict())
+    expected = jax.grad(lambda p: lgmd.LGMD2(p, lgmd.Soft())(FRAMES, FPS).smp_adapted.sum())(parameters)
+    assert {"theta1", "theta2", "theta3", "tau1", "sigma1", "w_bias", "T_s", "tau2", "T_ffi"} <= set(found)
+    for name in lgmd.symbols():
+        np.testing.assert_allclose(found.get(name, 0.0), getattr(expected, name), rtol=1e-4, err_msg=name)
+
+
+def test_ratios_are_those_of_each_round():
+    now, load = [0.0], itertools.cycle([1.0, 5.0, 2.0])
+
+    def lasting(seconds):
+        def call():
+            now[0] += seconds * burden[0]
+
+        return call
+
+    burden = [1.0]
+
+    def third_subject():
+        burden[0] = next(load)  # the machine is disturbed from one round to the next
+
+    timings = time_together(
+        {"disturbance": third_subject, "slow": lasting(0.3), "fast": lasting(0.1)},
+        rounds=6,
+        at_least=0.0,
+        clock=lambda: now[0],
+    )
+    assert timings["slow"].over(timings["fast"]) == pytest.approx(3.0)
+    assert max(timings["fast"].rounds) / min(timings["fast"].rounds) == pytest.approx(5.0)
+
+
+def test_compilation_is_told_apart_and_short_calls_are_repeated():
+    now, calls = [0.0], [0]
+
+    def call():
+        calls[0] += 1
+        now[0] += 2.25 if calls[0] == 1 else 0.25
+
+    timing = time_together({"it": call}, rounds=3, at_least=1.0, clock=lambda: now[0])["it"]
+    assert timing.compile == 2.0
+    assert timing.median == 0.25
+    assert calls[0] == 2 + 3 * 4
+
+
+def test_kernels_are_those_of_the_pixel_loop():
+    loop = """
+  %state = (s32[], f32[3,3]{1,0}) parameter(0)
+  %map = f32[3,3]{1,0} get-tuple-element(%state), index=1
+  %moved.1 = f32[3,3]{1,0} fusion(%map), kind=kLoop, calls=%computation
+  %copy.2 = f32[3,3]{1,0} copy(%map)
+  ROOT %next = (s32[], f32[3,3]{1,0}) tuple(%map, %moved.1)"""
+    assert _kernels.count_instructions(loop) == {"copy": 1, "fusion": 1}
