@@ -30,7 +30,9 @@ def test_programs_run(program, tmp_path):
     assert "nan" not in done.stdout
 
 
-SLOW_COMMANDS = [pytest.param(it, marks=pytest.mark.slow) if " fit " in it else it for it in COMMANDS]
+SLOW_COMMANDS = [
+    pytest.param(it, marks=pytest.mark.slow) if it.split()[1] in ("fit", "characterise") else it for it in COMMANDS
+]
 
 
 @pytest.mark.parametrize("command", SLOW_COMMANDS)
@@ -46,4 +48,4 @@ def test_commands_run(command, tmp_path, monkeypatch, capsys):
 
 def test_there_is_something_to_test():
     assert len(PROGRAMS) == 4
-    assert len(COMMANDS) == 4
+    assert len(COMMANDS) == 5
