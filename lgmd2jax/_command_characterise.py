@@ -41,7 +41,6 @@ def add(commands) -> None:
         description="Measure the 22 response properties of a looming-sensitive neuron on models, side by side, each "
         "with its bound and the evidence for it.",
         epilog=_EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument(
         "models",

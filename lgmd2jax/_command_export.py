@@ -26,7 +26,6 @@ def add(commands) -> None:
         help="hand a model over to a robot",
         description="Write a model with hard thresholds, and the one file of NumPy that runs it, into a folder.",
         epilog=_EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument(
         "model", metavar="MODEL", help="a hand-over file model.json, the name of a shipped fit, or preset:NAME"

@@ -42,7 +42,6 @@ def add(commands) -> None:
         help="fit a model to target curves",
         description="Fit the free parameters of a recipe to its target curves, and hand over the hard model.",
         epilog=_EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("recipe", metavar="RECIPE", help="a TOML file, or the name of a shipped recipe")
     parser.add_argument(

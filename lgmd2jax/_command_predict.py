@@ -25,7 +25,6 @@ def add(commands) -> None:
         description="Write the fitted channel (a rate through its observation model) for every condition of a "
         "protocol, as a CSV file with the columns condition, time_ms, value.",
         epilog=_EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("folder", metavar="FOLDER", help="the folder of a fit, or the name of a shipped one")
     parser.add_argument("protocol", metavar="PROTOCOL", help="a TOML file, or the name of a shipped protocol")

@@ -43,7 +43,6 @@ def add(commands) -> None:
         help="run the model on a video or a folder of images",
         description="Run the model on a video or a folder of images: a CSV file, a figure and, if asked, a video.",
         epilog=_EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("clip", metavar="CLIP", type=Path, help="a video file, or a folder of images in natural order")
     parser.add_argument("--model", default="preset:lgmd2", help=MODEL_HELP)

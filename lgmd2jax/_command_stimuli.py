@@ -39,7 +39,6 @@ def add(commands) -> None:
         help="draw what a protocol shows, and write its clips",
         description="Draw a contact sheet of a protocol: some frames of each condition and what it does over time.",
         epilog=_EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("protocol", metavar="PROTOCOL", help="a TOML file, or the name of a shipped protocol")
     parser.add_argument(

@@ -16,7 +16,10 @@ from lgmd2jax import (
 
 
 class _Parser(argparse.ArgumentParser):
-    """Says what is wrong in one line, as the commands do, instead of repeating the usage."""
+    """Keeps the lines of its examples, and says what is wrong in one line, as the commands do, not the usage again."""
+
+    def __init__(self, **settings):
+        super().__init__(formatter_class=argparse.RawDescriptionHelpFormatter, **settings)
 
     def error(self, message):
         self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")

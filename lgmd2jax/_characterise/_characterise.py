@@ -40,10 +40,11 @@ def characterise(model: LGMD2 | Fit, *, key: Key[Array, ""] | None = None, progr
     if key is not None and fit is None:
         raise ValueError("key is given without a fit; intervals need its covariance, so give lgmd.load_fit(...)")
     model = model.model if isinstance(model, Fit) else model
-    found = _found(model, exam_of(_usable(model)), _neuron(model), progress)
+    eye = _usable(model)
+    found = _found(model, exam_of(eye), _neuron(model), progress)
     if fit is None or key is None or fit.uncertainty.reason:
         return found
-    spans = intervals(fit, key)
+    spans = intervals(fit, eye, key)
     known = {name: Estimate(it.value, *spans[name]) for name, it in found.selectivity.items()}
     return dataclasses.replace(found, selectivity=known)
 

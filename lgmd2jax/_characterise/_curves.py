@@ -22,6 +22,7 @@ _AFTER_MS = 150.0  # after the motion, in which what is answered still belongs t
 
 Mask = Bool[np.ndarray, "trial time"]
 Values = Float[Array, " trial"]
+Channel = Literal["adapted", "unadapted"]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -68,7 +69,7 @@ class Curves(eqx.Module):
     unadapted: tuple[Float[Array, "_trial _time"], ...]
     references: dict[bool, Float[Array, ""]]
 
-    def __call__(self, *names: str, channel: Literal["adapted", "unadapted"] = "adapted") -> Stack:
+    def __call__(self, *names: str, channel: Channel = "adapted") -> Stack:
         """The curves of the named trials; one frame rate."""
         trials, curves = [self.exam.trial(name) for name in names], getattr(self, channel)
         time = [trial.time for trial in trials]
@@ -104,8 +105,7 @@ def normalised(
     references = {}
     for scene, name in ((False, REFERENCE), (True, textured(REFERENCE))):
         if name in exam.places:
-            stack = raw(name)
-            references[scene] = highest(stack, stack.motion)[0]
+            references[scene] = top(raw, name)[0]
 
     def scaled(curves):
         return tuple(
@@ -129,6 +129,12 @@ def _above_rest(group, curves):
 def highest(stack: Stack, mask: Mask) -> Values:
     """The largest value in a window."""
     return jnp.max(jnp.where(mask, stack.values, -jnp.inf), axis=1)
+
+
+def top(it: Curves, *names: str, channel: Channel = "adapted") -> Values:
+    """The peaks of R during the motion."""
+    stack = it(*names, channel=channel)
+    return highest(stack, stack.motion)
 
 
 def mean(stack: Stack, mask: Mask) -> Values:

@@ -5,11 +5,11 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from lgmd2jax._characterise import _trials as trials
-from lgmd2jax._characterise._curves import Curves, highest, mean, peak
-from lgmd2jax._characterise._rows_field import CHANGES, SETTLED_MS, changes_of_light
+from lgmd2jax._characterise._curves import Curves, mean, peak, top
+from lgmd2jax._characterise._rows_field import SETTLED_MS, changes_of_light
 from lgmd2jax._characterise._rows_looming import LOOMS, angles_at_peak
-from lgmd2jax._characterise._rows_selectivity import top
 from lgmd2jax._characterise._trials import (
+    CHANGES,
     CONTRASTS,
     DEVIATIONS,
     DIRECTIONS,
@@ -54,11 +54,10 @@ def panels(it: Curves) -> dict[str, Float[Array, " _place"]]:
     for name in (trials.grating(*each) for each in GRATINGS):
         stack = it(name) if name in it.exam.places else None
         gratings.append(jnp.nan if stack is None else mean(stack, stack.between(SETTLED_MS, GRATING_MS))[0])
-    looms = it(*LOOMS)
     values = (
-        -peak(looms)[1],
+        -peak(it(*LOOMS))[1],
         angles_at_peak(it, *LOOMS, l_over_v=np.array(L_OVER_V)),
-        highest(looms, looms.motion),
+        top(it, *LOOMS),
         top(it, *map(trials.contrast, CONTRASTS)),
         top(it, *map(trials.translation, SPEEDS)),
         top(it, *(trials.translation(direction=it) for it in DIRECTIONS)),

@@ -4,18 +4,11 @@ import jax.numpy as jnp
 import numpy as np
 
 from lgmd2jax._characterise import _trials as trials
-from lgmd2jax._characterise._curves import Curves, highest, mean
+from lgmd2jax._characterise._curves import Curves, highest, mean, top
 from lgmd2jax._characterise._row import SAME, Line, row
-from lgmd2jax._characterise._rows_selectivity import top
-from lgmd2jax._characterise._trials import DEVIATIONS, DRIFTING, GRATING_MS, GRATINGS, PARTS, STEPS, STILL
+from lgmd2jax._characterise._trials import CHANGES, DEVIATIONS, DRIFTING, GRATING_MS, GRATINGS, STILL
 
 SETTLED_MS = 300.0
-CHANGES = tuple(
-    (part, sign * size, ramp)
-    for part in PARTS
-    for sign in (1, -1)
-    for size, ramp in (*((step, 0.0) for step in STEPS), (STEPS[-1], 1000.0))
-)
 
 
 @row(

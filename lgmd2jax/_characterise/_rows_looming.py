@@ -5,7 +5,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from lgmd2jax._characterise import _trials as trials
-from lgmd2jax._characterise._curves import Curves, highest, integral, peak, rise, rise_and_fall, second_rise
+from lgmd2jax._characterise._curves import Curves, highest, integral, peak, rise, rise_and_fall, second_rise, top
 from lgmd2jax._characterise._row import SAME, Line, row
 from lgmd2jax._characterise._trials import L_OVER_V, REFERENCE
 
@@ -113,8 +113,7 @@ def width(it: Curves):
 @row(6, "peaks fall gently with l/|v|", Line("exponent q of (l/|v|)^q", low=-0.5, high=0, evidence="DM"))
 def peak_exponent(it: Curves):
     """Slope of log peak over log l/|v|."""
-    stack = it(*LOOMS)
-    return (line_through(jnp.log(highest(stack, stack.motion)), np.log(_SPEEDS))[0],)
+    return (line_through(jnp.log(top(it, *LOOMS)), np.log(_SPEEDS))[0],)
 
 
 @row(7, "the integral rises with l/|v|", Line("least step of it", "ms", low=SAME, evidence="D"))
@@ -144,8 +143,7 @@ def silence(it: Curves):
 )
 def contrast(it: Curves):
     """Peak and angle at t_peak - D of the approach at 40 ms, Weber -.1 to -1."""
-    stack = it(*(trials.contrast(weber) for weber in trials.CONTRASTS))
-    tops = highest(stack, stack.motion)
+    tops = top(it, *map(trials.contrast, trials.CONTRASTS))
     return jnp.min(jnp.diff(tops)), tops[-2] / tops[-1], _range(angles_at_peak(it, *_STRONG))
 
 
@@ -157,8 +155,8 @@ def contrast(it: Curves):
 )
 def halved(it: Curves):
     """10 on 100 instead of 20 on 200, approach at 40 ms."""
-    stack = it(REFERENCE, trials.HALVED)
-    tops, seen = highest(stack, stack.motion), angles_at_peak(it, REFERENCE, trials.HALVED)
+    names = REFERENCE, trials.HALVED
+    tops, seen = top(it, *names), angles_at_peak(it, *names)
     return 100 * (tops[1] / tops[0] - 1), seen[1] - seen[0]
 
 
@@ -173,8 +171,7 @@ def halved(it: Curves):
 def form(it: Curves):
     """A square, plain and of 4 x 4 checks of 20 and 110, against the disc of equal area, whose angle is stated."""
     names = REFERENCE, trials.SQUARE, trials.CHECKS
-    stack = it(*names)
-    tops, seen = highest(stack, stack.motion), angles_at_peak(it, *names)
+    tops, seen = top(it, *names), angles_at_peak(it, *names)
     return seen[1] - seen[0], tops[1] / tops[0], seen[2] - seen[0], tops[2] / tops[0]
 
 

@@ -3,7 +3,7 @@
 import jax.numpy as jnp
 
 from lgmd2jax._characterise import _trials as trials
-from lgmd2jax._characterise._curves import Curves, duration, highest, integral
+from lgmd2jax._characterise._curves import Curves, duration, highest, integral, top
 from lgmd2jax._characterise._row import SAME, Line, row
 from lgmd2jax._characterise._trials import LIGHT_LOOM, LIGHT_RECESSION, RECESSION, REFERENCE, textured
 
@@ -16,12 +16,6 @@ def index(a, b):
     """(a - b)/(a + b); NaN where there is neither."""
     total = a + b
     return (a - b) / jnp.where(total > 0, total, jnp.nan)
-
-
-def top(it: Curves, *names: str):
-    """The peaks of R during the motion."""
-    stack = it(*names)
-    return highest(stack, stack.motion)
 
 
 @row(
@@ -126,8 +120,8 @@ def adaptation(it: Curves):
     """SMP before adaptation by the SMP after it; directions Peron & Gabbiani 2009."""
     adapted, unadapted = (it(_STRAIGHT, channel=channel) for channel in ("adapted", "unadapted"))
     before, after = integral(unadapted)[0], integral(adapted)[0]
-    loom = it(REFERENCE, channel="unadapted")
-    return before / jnp.where(after > 0, after, jnp.nan), highest(loom, loom.motion)[0] / top(it, REFERENCE)[0]
+    loom = [top(it, REFERENCE, channel=channel)[0] for channel in ("unadapted", "adapted")]
+    return before / jnp.where(after > 0, after, jnp.nan), loom[0] / loom[1]
 
 
 @row(

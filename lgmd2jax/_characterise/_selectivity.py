@@ -11,13 +11,14 @@ import numpy as np
 from jaxtyping import Array, Float, Key
 
 from lgmd2jax._characterise import _trials as trials
-from lgmd2jax._characterise._curves import Curves, curves_of, integral
+from lgmd2jax._characterise._curves import Curves, curves_of, integral, top
 from lgmd2jax._characterise._exam import Exam, sums
-from lgmd2jax._characterise._rows_looming import law_of_peaks
-from lgmd2jax._characterise._rows_selectivity import index, top
+from lgmd2jax._characterise._rows_looming import LOOMS, law_of_peaks
+from lgmd2jax._characterise._rows_selectivity import index
 from lgmd2jax._characterise._trials import LIGHT_LOOM, RECESSION, REFERENCE
+from lgmd2jax._eye import Eye
 from lgmd2jax.fitting import Fit
-from lgmd2jax.fitting._uncertainty import BOX_VARIANCE
+from lgmd2jax.fitting._uncertainty import variance_along
 
 UNITS = {
     "approach/recession index": "1",
@@ -27,7 +28,7 @@ UNITS = {
     "delta": "ms",
     "threshold angle": "deg",
 }
-_SEEN = (*map(trials.loom, trials.L_OVER_V), LIGHT_LOOM, RECESSION, trials.translation())
+_SEEN = (*LOOMS, LIGHT_LOOM, RECESSION, trials.translation())
 _DRAWS = 100
 _CONFIDENCE = 0.95
 
@@ -61,15 +62,15 @@ def selectivity(it: Curves) -> dict[str, Float[Array, ""]]:
     return dict(zip(UNITS, values, strict=True))
 
 
-def intervals(fit: Fit, key: Key[Array, ""], draws: int = _DRAWS) -> dict[str, tuple[float, float]]:
+def intervals(fit: Fit, eye: Eye, key: Key[Array, ""], draws: int = _DRAWS) -> dict[str, tuple[float, float]]:
     """The 2.5 and 97.5 percentiles over models drawn from the fit's covariance, thresholds hard as handed over.
 
     Draws are Gaussian in the unit box of the free parameters and cut at its walls; along a direction that the curves
     leave open they have the variance of a value that may lie anywhere between its bounds. Drawing is right for a
     network with hard thresholds too, where slopes are not.
     """
-    u, exam = fit.uncertainty, Exam(_eye(fit), only=_SEEN)
-    reach = np.sqrt(np.minimum(1 / np.maximum(u.spectrum, 1 / BOX_VARIANCE), BOX_VARIANCE))
+    u, exam = fit.uncertainty, Exam(eye, only=_SEEN)
+    reach = np.sqrt(variance_along(u))
     steps = np.asarray(jax.random.normal(key, (draws, len(reach)))) * reach
     found = []
     for z in np.clip(fit.z + steps @ u.directions.T, 0, 1):
@@ -92,9 +93,3 @@ def _percentiles(values: np.ndarray, ends: tuple[float, float]) -> tuple[float, 
         return math.nan, math.nan
     low, high = np.percentile(known, ends, method="nearest")
     return float(low), float(high)
-
-
-def _eye(fit: Fit):
-    if fit.model.eye is None:
-        raise ValueError("the fitted model has no eye")
-    return fit.model.eye

@@ -22,6 +22,12 @@ DEVIATIONS = (0.0, 10.0, 20.0, 40.0)  # degrees
 GRATINGS = tuple((cycles, hertz) for cycles in (0.05, 0.1, 0.2) for hertz in (1.0, 4.0, 10.0))  # cyc/deg, Hz
 STEPS = (20.0, 80.0, 140.0)  # grey levels
 PARTS = {"field": 1.0, "quarter": 0.25}  # of the field that changes
+CHANGES = tuple(  # part, grey levels up or down, ms that it takes
+    (part, sign * size, ramp)
+    for part in PARTS
+    for sign in (1, -1)
+    for size, ramp in (*((step, 0.0) for step in STEPS), (STEPS[-1], 1000.0))
+)
 FINE_RATES = (40.0, 50.0, 80.0)  # ms, the l/|v| that are shown at the finer frame rate too
 
 SMALL, LARGE = 2.0, 80.0  # degrees, full angles between which an object approaches
@@ -211,12 +217,10 @@ def _gratings(eye: Eye) -> Iterator[Trial]:
 
 def _changes(fps: float) -> Iterator[Trial]:
     """Up from 60 and down from 200 grey levels."""
-    for part, fraction in PARTS.items():
-        for ground, sign in ((60.0, 1), (200.0, -1)):
-            for size, ramp in (*((step, 0.0) for step in STEPS), (STEPS[-1], 1000.0)):
-                look = {"level": ground + sign * size, "background": ground, "fraction": fraction, "ramp_ms": ramp}
-                render = functools.partial(stimuli.luminance, **look)
-                yield Trial(change(part, sign * size, ramp), render, 0.0, ramp, fps)
+    for part, rise, ramp in CHANGES:
+        ground = 60.0 if rise > 0 else 200.0
+        look = {"level": ground + rise, "background": ground, "fraction": PARTS[part], "ramp_ms": ramp}
+        yield Trial(change(part, rise, ramp), functools.partial(stimuli.luminance, **look), 0.0, ramp, fps)
 
 
 def _approach(name: str, fps: float, aside: float, **look: Any) -> Trial:

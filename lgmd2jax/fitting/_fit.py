@@ -89,6 +89,12 @@ def fit(
     counts = {"pixel_points": pixel_points, "cell_points": cell_points, "descend": descend, "max_steps": max_steps}
     _check(pairs, free, loss, counts)
     problem = problem_of(model, observation, free, pairs, loss)
+    samples = problem.samples()
+    if samples < len(free):
+        raise ValueError(
+            f"{len(free)} parameters are free, but the targets hold only {samples:.3g} independent samples; "
+            "fix some, or add data"
+        )
     start = free.place(model.parameters, observation)
     seed = tuple(int(word) for word in np.ravel(jax.random.key_data(key)))
     points = _points(problem, start, pixel_points, seed)
@@ -172,12 +178,6 @@ def _check(pairs: list[tuple[Stimulus, list[Target]]], free: Free, loss: str, co
     if beforehand and not all(target.has_error for target in targets):
         raise ValueError(
             f"{beforehand[0]} has a prior, which can only be weighed against data of known error; give targets an error"
-        )
-    samples = sum(float((target.scale > 0).sum()) / target.thinning for target in targets)
-    if samples < len(free):
-        raise ValueError(
-            f"{len(free)} parameters are free, but the targets hold only {samples:.3g} independent samples; "
-            "fix some, or add data"
         )
 
 

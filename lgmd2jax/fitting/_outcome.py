@@ -7,7 +7,6 @@ from typing import Any
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
-from jax.tree_util import Partial
 from jaxtyping import Array, Float
 
 from lgmd2jax._target import Target
@@ -39,12 +38,10 @@ def outcome(
     """The fit whose best run is the first one. Errors and intervals are those of the last temperature."""
     z, free, data = np.array(runs[0].z), problem.free, int(problem.known().sum()) - problem.priors
     model, observation = problem.at(z)
-    temperature = jnp.asarray(temperatures[-1], dtype=float)
-    seen = sensitivity(problem, jnp.asarray(z), temperature)
+    seen = sensitivity(problem, jnp.asarray(z), jnp.asarray(temperatures[-1], dtype=float))
     if absolute_errors is None:
         absolute_errors = all(target.has_error for _, targets in pairs for target in targets)
     u = _uncertainty(problem, z, seen, absolute_errors)
-    residuals = Partial(weighed, problem, temperature, jnp.asarray(u.variance))
     return Fit(
         model=model,
         observation=observation,
@@ -55,7 +52,7 @@ def outcome(
         soft_loss=0.5 * float(jnp.square(seen.residuals).sum()),
         temperatures=temperatures,
         uncertainty=u,
-        curved=curved(residuals, z, u),
+        curved=curved(weighed(problem, temperatures[-1], u.variance), z, u),
         curves=tuple(_curves(problem, pairs, seen, _hard_curves(problem, jnp.asarray(z)), u)),
         runs=runs,
         screened=screened,

@@ -9,6 +9,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jax.tree_util import Partial
 from jaxtyping import Array, Bool, Float
 
 from lgmd2jax._model import LGMD2, channels, potentials
@@ -156,8 +157,15 @@ class Problem(eqx.Module):
         )
 
 
-def weighed(problem: Problem, temperature: Float[Array, ""], variance: Float[Array, ""], z: Float[Array, " free"]):
-    """The residuals, with penalties that keep their own width when the sum of squares is divided by the variance."""
+def weighed(problem: Problem, temperature: float, variance: float) -> Partial:
+    """The residuals of a point, with penalties that keep their width when the squares are divided by the variance.
+
+    All that they depend on is an argument, so that another parameter's profile compiles nothing.
+    """
+    return Partial(_weighed, problem, jnp.asarray(temperature, dtype=float), jnp.asarray(variance, dtype=float))
+
+
+def _weighed(problem: Problem, temperature: Float[Array, ""], variance: Float[Array, ""], z: Float[Array, " free"]):
     residuals = problem.residuals(z, temperature)
     data = len(residuals) - problem.priors
     return residuals.at[data:].multiply(jnp.sqrt(variance))

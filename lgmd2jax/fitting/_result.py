@@ -6,7 +6,6 @@ from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
-from jax.tree_util import Partial
 from jaxtyping import Array, Float
 from scipy import stats
 
@@ -200,6 +199,4 @@ class Fit:
     def _residuals(self, what: str) -> Callable[[Float[Array, " free"]], Float[Array, " n"]]:
         if self.problem is None:
             raise ValueError(f"{what} needs the targets, which a result folder does not hold; make the fit anew")
-        temperature, variance = jnp.asarray(self.temperatures[-1], dtype=float), jnp.asarray(self.uncertainty.variance)
-        # Arrays as arguments, so that another parameter's profile compiles nothing.
-        return Partial(weighed, self.problem, temperature, variance)
+        return weighed(self.problem, self.temperatures[-1], self.uncertainty.variance)

@@ -153,8 +153,12 @@ def prediction_band(u: Uncertainty, slopes: Float[np.ndarray, "time free"]) -> F
     Along a direction that the fit left open the error is that of a value that may lie anywhere between its bounds.
     NaN where there are no errors.
     """
-    along = np.minimum(np.square(_reaches(u.spectrum)), BOX_VARIANCE)
-    return np.sqrt(np.square(slopes @ u.directions) @ along)
+    return np.sqrt(np.square(slopes @ u.directions) @ variance_along(u))
+
+
+def variance_along(u: Uncertainty) -> Float[np.ndarray, " free"]:
+    """The variance along each of the `directions`, at most that of a value that may lie anywhere in the box."""
+    return np.minimum(np.square(_reaches(u.spectrum)), BOX_VARIANCE)
 
 
 def sentences(u: Uncertainty) -> list[str]:

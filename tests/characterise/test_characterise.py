@@ -181,7 +181,7 @@ def test_a_second_model_compiles_nothing_anew(caplog):
 def test_intervals_hold_the_value_and_come_from_the_key():
     fit = made(lgmd.Free(tau2=lgmd.Log(20, 300), T_ffi=lgmd.Log(1, 10)), [])
     fit = dataclasses.replace(fit, model=dataclasses.replace(fit.model, eye=SMALL))
-    first, again, other = (intervals(fit, jax.random.key(it), draws=8) for it in (0, 0, 1))
+    first, again, other = (intervals(fit, SMALL, jax.random.key(it), draws=8) for it in (0, 0, 1))
     assert list(first) == list(UNITS)
     assert first == again
     assert first != other
