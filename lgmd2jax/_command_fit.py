@@ -15,6 +15,7 @@ from lgmd2jax._recipe import Recipe, load_recipe
 from lgmd2jax._results import MARKER, save_fit
 from lgmd2jax.fitting import Fit
 from lgmd2jax.fitting._descent import STOPPED
+from lgmd2jax.fitting._law_fit import Beside, beside_law
 from lgmd2jax.fitting._report import Extra
 
 _EXAMPLES = """\
@@ -84,10 +85,15 @@ def run(options: argparse.Namespace) -> None:
     memory.forget()
 
 
+def _beside(recipe: Recipe, fit: Fit) -> Beside:
+    return beside_law(recipe.pairs, fit.curves, smoothing=float(fit.observation.smoothing))
+
+
 def _extra(recipe: Recipe, fit: Fit) -> Extra:
     """What the recipe asks for beside the fit."""
     return Extra(
         profiles={name: fit.profile(name) for name in recipe.profile},
         left_out=recipe.predict_each(progress=True) if recipe.leave_one_out else {},
+        beside=_beside(recipe, fit) if recipe.looming_law else None,
         truth=recipe.truth,
     )

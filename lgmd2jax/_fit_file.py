@@ -5,6 +5,7 @@ import math
 from importlib.metadata import version
 from typing import Any
 
+import jax
 import numpy as np
 
 from lgmd2jax._model import LGMD2
@@ -61,6 +62,7 @@ def content_of(fit: Fit, extra: Extra) -> dict[str, Any]:
         ],
         "remarks": fit.remarks(),
         "leave_one_out_r2": extra.left_out,
+        "looming_law": extra.beside and dataclasses.asdict(extra.beside),
         "profiles": {name: dataclasses.asdict(profile) for name, profile in extra.profiles.items()},
         "z": fit.z,
         "uncertainty": {
@@ -139,7 +141,7 @@ def plain(value: Any) -> Any:
         return {name: plain(it) for name, it in value.items()}
     if isinstance(value, (list, tuple)):
         return [plain(it) for it in value]
-    if isinstance(value, (np.ndarray, np.generic)):
+    if isinstance(value, (np.ndarray, np.generic, jax.Array)):
         return plain(value.tolist())
     if isinstance(value, float) and not math.isfinite(value):
         return None

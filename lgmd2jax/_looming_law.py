@@ -56,16 +56,19 @@ class LoomingLaw:
 
         **Raises:** `ValueError` for another stimulus than an approach at constant velocity, straight to the eye.
         """
-        time = np.asarray(stimulus.time, dtype=float)
-        l_over_v, start, stop = _approach(stimulus, time)
+        return Target(self.channel, self.values(np.asarray(stimulus.time, dtype=float), *course(stimulus))).on(stimulus)
+
+    def values(
+        self, time: Float[np.ndarray, " time"], l_over_v: float, start: float, stop: float
+    ) -> Float[np.ndarray, " time"]:
+        """The law at any `time`, in ms from collision, for an object that moves from `start` to `stop` degrees."""
         angle = full_angle(time - self.delta, l_over_v)
         eta = angular_speed(angle, l_over_v) * np.exp(-self.alpha * angle)
         moves = (angle >= np.radians(start)) & (angle < np.radians(stop))
         best = 2 * math.atan(1 / self.alpha)
         top = angular_speed(best, l_over_v) * math.exp(-self.alpha * best)
         peak = self.peak * (l_over_v / _REFERENCE_MS) ** self.exponent
-        values = resting(self.channel, self.rest) + peak * np.where(moves, eta, 0.0) / top
-        return Target(self.channel, values).on(stimulus)
+        return resting(self.channel, self.rest) + peak * np.where(moves, eta, 0.0) / top
 
 
 def full_angle(time: Float[np.ndarray, " time"], l_over_v: float) -> Float[np.ndarray, " time"]:
@@ -78,8 +81,9 @@ def angular_speed(angle: Float[np.ndarray, " *time"] | float, l_over_v: float) -
     return 2 / l_over_v * np.sin(angle / 2) ** 2
 
 
-def _approach(stimulus: Stimulus, time: Float[np.ndarray, " time"]) -> tuple[float, float, float]:
-    """l/|v| in ms, first and last full angle in degrees."""
+def course(stimulus: Stimulus) -> tuple[float, float, float]:
+    """l/|v| in ms, first and last full angle in degrees, of an approach at constant velocity, straight to the eye."""
+    time = np.asarray(stimulus.time, dtype=float)
     try:
         l_over_v, start, stop = (float(stimulus.parameters[name]) for name in ("l_over_v", "start_angle", "stop_angle"))
         shown = np.asarray(stimulus.courses["full_angle_deg"])

@@ -22,6 +22,7 @@ from lgmd2jax._thresholds import Hard, Soft
 from lgmd2jax.fitting import Fit, Free, Linear, Log, Tie, fit
 from lgmd2jax.fitting._conditions import rendered
 from lgmd2jax.fitting._free import RANGES
+from lgmd2jax.fitting._law_fit import check_approaches
 from lgmd2jax.fitting._validation import leave_one_out
 from lgmd2jax.stimuli import Stimulus
 
@@ -39,6 +40,7 @@ class Recipe:
     - `profile`: parameters whose interval is also found by profile likelihood.
     - `samples`: how many draws of the posterior to take; 0 for none.
     - `leave_one_out`: whether to fit anew without each condition and to predict it.
+    - `looming_law`: whether to hold the fit against eta, fitted to the same rates.
     - `truth`: the values that are known to be right, of a twin.
     - `table`: the file's content.
     """
@@ -53,6 +55,7 @@ class Recipe:
     profile: tuple[str, ...]
     samples: int
     leave_one_out: bool
+    looming_law: bool
     truth: Mapping[str, float]
     table: Mapping[str, Any]
 
@@ -112,24 +115,28 @@ def _recipe(path: Path, table: dict[str, Any]) -> Recipe:
         raise ValueError(f"kind is {table['kind']!r}; a recipe of this command has kind 'fit'")
     uncertainty, validation = _section(table, "uncertainty"), _section(table, "validation")
     check_keys(uncertainty, ("absolute_errors", "profile", "samples"))
-    check_keys(validation, ("leave_one_out",))
+    check_keys(validation, ("leave_one_out", "looming_law"))
     free = Free(**{name: _choice(name, limits) for name, limits in _section(table, "free").items()})
     profile, truth = tuple(uncertainty.get("profile", ())), _section(table, "truth")
     for name in (*profile, *truth):
         if name not in free.names:
             raise ValueError(f"{name!r} is not free; choose {', '.join(free.names)}")
     protocol = load_protocol(beside if (beside := path.parent / table["protocol"]).is_file() else table["protocol"])
+    pairs = tuple(rendered(protocol.conditions))
+    if validation.get("looming_law", False):
+        check_approaches(pairs)
     return Recipe(
         name=path.stem,
         model=_model(table, protocol.conditions[0].eye),
         observation=Observation(**_section(table, "observation", observation_symbols())),
         free=free,
-        pairs=tuple(rendered(protocol.conditions)),
+        pairs=pairs,
         solver=_section(table, "solver", _SOLVER),
         absolute_errors=uncertainty.get("absolute_errors"),
         profile=profile,
         samples=uncertainty.get("samples", 0),
         leave_one_out=validation.get("leave_one_out", False),
+        looming_law=validation.get("looming_law", False),
         truth=truth,
         table=table,
     )

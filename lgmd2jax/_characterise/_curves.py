@@ -12,6 +12,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float
 
 from lgmd2jax._characterise._exam import Exam, Sums, at_rate
+from lgmd2jax._characterise._extremes import largest
 from lgmd2jax._characterise._trials import REFERENCE, textured
 from lgmd2jax._model import LGMD2, channels
 
@@ -128,7 +129,7 @@ def _above_rest(group, curves):
 
 def highest(stack: Stack, mask: Mask) -> Values:
     """The largest value in a window."""
-    return jnp.max(jnp.where(mask, stack.values, -jnp.inf), axis=1)
+    return largest(jnp.where(mask, stack.values, -jnp.inf), axis=1)
 
 
 def top(it: Curves, *names: str, channel: Channel = "adapted") -> Values:
@@ -161,7 +162,7 @@ def peak(stack: Stack) -> tuple[Values, Values]:
     """
     mask = stack.motion
     inside = jnp.where(mask, stack.values, -jnp.inf)
-    top, i = jnp.max(inside, axis=1), jnp.argmax(inside, axis=1)
+    top, i = largest(inside, axis=1), jnp.argmax(inside, axis=1)
     left, right, frames = _run(stack, inside, i, top - _LEVEL)
     before, at, after = (_at(stack.values, i + step) for step in (-1, 0, 1))
     bend = before - 2 * at + after
@@ -183,7 +184,7 @@ def rise_and_fall(stack: Stack) -> tuple[Values, Values]:
 def rise(stack: Stack, mask: Bool[Array | np.ndarray, "trial time"], backwards: bool = False) -> Values:
     """By how much the curve rises again after it has fallen, within a window, as time goes on (or back)."""
     lowest = jax.lax.cummin(jnp.where(mask, stack.values, jnp.inf), axis=1, reverse=backwards)
-    return jnp.max(jnp.where(mask, stack.values - lowest, 0), axis=1)
+    return largest(jnp.where(mask, stack.values - lowest, 0), axis=1)
 
 
 def second_rise(stack: Stack) -> Values:

@@ -5,6 +5,7 @@ import numpy as np
 
 from lgmd2jax._characterise import _trials as trials
 from lgmd2jax._characterise._curves import Curves, highest, mean, top
+from lgmd2jax._characterise._extremes import largest, least
 from lgmd2jax._characterise._row import SAME, Line, row
 from lgmd2jax._characterise._trials import CHANGES, DEVIATIONS, DRIFTING, GRATING_MS, GRATINGS, STILL
 
@@ -22,7 +23,7 @@ def gratings(it: Curves):
     """.05, .1, .2 cyc/deg at 1, 4, 10 Hz as far as the eye samples them, Michelson 1 on 110; the worst of them."""
     stack = it(*(name for name in (trials.grating(*each) for each in GRATINGS) if name in it.exam.places))
     first, late = stack.between(0.0, SETTLED_MS), stack.between(SETTLED_MS, GRATING_MS)
-    return tuple(jnp.max(each) for each in (mean(stack, late), highest(stack, first), highest(stack, stack.after())))
+    return tuple(largest(each) for each in (mean(stack, late), highest(stack, first), highest(stack, stack.after())))
 
 
 @row(17, "changes of light", *(Line(trials.change(*each), high=0.15) for each in CHANGES))
@@ -44,7 +45,7 @@ def elsewhere(it: Curves):
     """Loom over "gravel" of its own levels, drifting against still; and looms 0, 10, 20, 40 deg off the eye."""
     still, drifting = top(it, STILL, DRIFTING)
     tops = top(it, *map(trials.deviating, DEVIATIONS))
-    return drifting - still, jnp.max(jnp.diff(tops)), tops[0] - tops[-1], half_width(tops)
+    return drifting - still, largest(jnp.diff(tops)), tops[0] - tops[-1], half_width(tops)
 
 
 def half_width(tops):
@@ -52,4 +53,4 @@ def half_width(tops):
     half, widths = tops[0] / 2, []
     for left, right, a, b in zip(DEVIATIONS, DEVIATIONS[1:], tops, tops[1:], strict=False):
         widths.append(jnp.where((a >= half) & (b < half), left + (right - left) * (a - half) / (a - b), jnp.inf))
-    return jnp.min(jnp.stack(widths))
+    return least(jnp.stack(widths))

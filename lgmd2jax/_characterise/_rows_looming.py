@@ -6,6 +6,7 @@ from jaxtyping import Array, Float
 
 from lgmd2jax._characterise import _trials as trials
 from lgmd2jax._characterise._curves import Curves, highest, integral, peak, rise, rise_and_fall, second_rise, top
+from lgmd2jax._characterise._extremes import largest, least
 from lgmd2jax._characterise._row import SAME, Line, row
 from lgmd2jax._characterise._trials import L_OVER_V, REFERENCE
 
@@ -46,7 +47,7 @@ def angles_at_peak(
 
 
 def _range(values):
-    return jnp.max(values) - jnp.min(values)
+    return largest(values) - least(values)
 
 
 @row(
@@ -92,7 +93,7 @@ def threshold_angle(it: Curves):
 @row(4, "one peak", Line("second rise of R, at most", high=0.2))
 def one_peak(it: Curves):
     """The largest rise of R after a dip, on either side of the peak, over all approaches from 2 degrees."""
-    return (jnp.max(second_rise(it(*LOOMS))),)
+    return (largest(second_rise(it(*LOOMS))),)
 
 
 @row(
@@ -107,7 +108,7 @@ def width(it: Curves):
     """At half of each peak, for l/|v| of 20 ms and more, with the model's own alpha of row 2."""
     up, down = rise_and_fall(it(*(name for name, slow in zip(LOOMS, _SLOW, strict=True) if slow)))
     shares = (up + down) / (law_of_peaks(it)[0] * _SPEEDS[_SLOW])
-    return jnp.min(shares), jnp.max(shares), jnp.min(up / down), jnp.max(up / down)
+    return least(shares), largest(shares), least(up / down), largest(up / down)
 
 
 @row(6, "peaks fall gently with l/|v|", Line("exponent q of (l/|v|)^q", low=-0.5, high=0, evidence="DM"))
@@ -119,7 +120,7 @@ def peak_exponent(it: Curves):
 @row(7, "the integral rises with l/|v|", Line("least step of it", "ms", low=SAME, evidence="D"))
 def integral_rises(it: Curves):
     """Time integral of R, from onset to 150 ms after the motion: smallest step from one l/|v| to the next."""
-    return (jnp.min(jnp.diff(integral(it(*LOOMS)))),)
+    return (least(jnp.diff(integral(it(*LOOMS)))),)
 
 
 @row(
@@ -131,7 +132,7 @@ def integral_rises(it: Curves):
 def silence(it: Curves):
     """Largest R over all approaches, up to the end of the clip; the rebound is the gate that reopens."""
     stack = it(*LOOMS)
-    return jnp.max(highest(stack, stack.after(150.0))), jnp.max(rise(stack, stack.after()))
+    return largest(highest(stack, stack.after(150.0))), largest(rise(stack, stack.after()))
 
 
 @row(
@@ -144,7 +145,7 @@ def silence(it: Curves):
 def contrast(it: Curves):
     """Peak and angle at t_peak - D of the approach at 40 ms, Weber -.1 to -1."""
     tops = top(it, *map(trials.contrast, trials.CONTRASTS))
-    return jnp.min(jnp.diff(tops)), tops[-2] / tops[-1], _range(angles_at_peak(it, *_STRONG))
+    return least(jnp.diff(tops)), tops[-2] / tops[-1], _range(angles_at_peak(it, *_STRONG))
 
 
 @row(
@@ -180,4 +181,4 @@ def frame_rate(it: Curves):
     """All that counts per frame scaled to 200 fps (twice its own from there on), l/|v| of 40, 50 and 80 ms."""
     own = peak(it(*(trials.loom(speed) for speed in trials.FINE_RATES)))[1]
     fine = peak(it(*(trials.loom(speed, fine=True) for speed in trials.FINE_RATES)))[1]
-    return (jnp.max(jnp.abs(fine - own)),)
+    return (largest(jnp.abs(fine - own)),)

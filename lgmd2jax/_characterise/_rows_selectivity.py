@@ -4,6 +4,7 @@ import jax.numpy as jnp
 
 from lgmd2jax._characterise import _trials as trials
 from lgmd2jax._characterise._curves import Curves, duration, highest, integral, top
+from lgmd2jax._characterise._extremes import largest, least
 from lgmd2jax._characterise._row import SAME, Line, row
 from lgmd2jax._characterise._trials import LIGHT_LOOM, LIGHT_RECESSION, RECESSION, REFERENCE, textured
 
@@ -105,8 +106,8 @@ def translation(it: Curves):
         late = highest(stack, stack.motion & stack.between(_SETTLED_MS, jnp.inf))[0]
         values += [peak, jnp.where(peak > SAME, late / jnp.where(peak > SAME, peak, 1), 0 * peak)]
     peaks = top(it, *(trials.translation(direction=it) for it in trials.DIRECTIONS))
-    largest = jnp.max(peaks)
-    spread = jnp.where(largest > SAME, (largest - jnp.min(peaks)) / jnp.where(largest > SAME, largest, 1), 0 * largest)
+    most = largest(peaks)
+    spread = jnp.where(most > SAME, (most - least(peaks)) / jnp.where(most > SAME, most, 1), 0 * most)
     return *values, 100 * spread, *top(it, trials.translation(20.0)), *top(it, trials.translation(200.0))
 
 
@@ -135,4 +136,4 @@ def speed(it: Curves):
     """Peaks of a disc that crosses 80 deg in 1,333 ms; and at constant speeds of 20, 40, 60, 100, 200 deg/s."""
     constant, linear, squared = top(it, *map(trials.accelerating, ("constant", "linear", "accelerating")))
     steps = jnp.diff(top(it, *map(trials.translation, trials.SPEEDS)))
-    return squared - linear, linear - constant, jnp.min(steps)
+    return squared - linear, linear - constant, least(steps)

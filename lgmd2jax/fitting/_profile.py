@@ -47,13 +47,13 @@ def profile(
     **Arguments:** `residuals` by a point of the unit box, correlated ones already counted as fractions; `z` the best
     point; `step` the first distance tried, such as two standard errors; `value` maps to the parameter's own unit.
     """
-    minimum, best = _refitted(residuals, jnp.asarray(z), jnp.asarray(-1), jnp.asarray(0.0), max_steps)
+    minimum, best = refitted(residuals, jnp.asarray(z), jnp.asarray(-1), jnp.asarray(0.0), max_steps)
     start = float(minimum[index])
     tried = {start: (0.0, minimum)}
 
     def rise(x: float) -> float:
         near = min(tried, key=lambda other: abs(other - x))
-        point, chi2 = _refitted(residuals, tried[near][1], jnp.asarray(index), jnp.asarray(x), max_steps)
+        point, chi2 = refitted(residuals, tried[near][1], jnp.asarray(index), jnp.asarray(x), max_steps)
         tried[x] = float(chi2 - best) / variance, point
         return tried[x][0]
 
@@ -101,7 +101,7 @@ def _crossing(rise: Callable[[float], float], start: float, sign: int, step: flo
 
 
 @eqx.filter_jit
-def _refitted(residuals, z, index, x, max_steps: int):
+def refitted(residuals, z, index, x, max_steps: int):
     """The best point with entry `index` held at x (with index -1 nothing is held), and chi2 there."""
     held = jnp.arange(len(z)) == index
     lower, upper = jnp.where(held, x, 0.0), jnp.where(held, x, 1.0)

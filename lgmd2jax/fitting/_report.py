@@ -5,6 +5,8 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from lgmd2jax._observation import observation_symbols
 from lgmd2jax._parameters import symbols
 from lgmd2jax._target import Channel
@@ -12,6 +14,7 @@ from lgmd2jax.fitting._curve import DISAGREEMENT
 from lgmd2jax.fitting._descent import ENDED
 from lgmd2jax.fitting._digits import measured, plain, rounded
 from lgmd2jax.fitting._free import Freedom
+from lgmd2jax.fitting._law_fit import Beside
 from lgmd2jax.fitting._profile import Profile
 from lgmd2jax.fitting._section import Section, as_html, as_text
 from lgmd2jax.fitting._uncertainty import Uncertainty
@@ -29,11 +32,13 @@ class Extra:
 
     - `profiles`: the profile-likelihood interval of a parameter, by its name.
     - `left_out`: R2 of a condition, by its name, predicted by a fit to all others.
+    - `beside`: the looming law fitted to the same recordings.
     - `truth`: the known values of a twin's parameters.
     """
 
     profiles: Mapping[str, Profile] = dataclasses.field(default_factory=dict)
     left_out: Mapping[str, float] = dataclasses.field(default_factory=dict)
+    beside: Beside | None = None
     truth: Mapping[str, float] = dataclasses.field(default_factory=dict)
 
 
@@ -81,6 +86,7 @@ def _sections(fit: "Fit", extra: Extra) -> list[Section]:
         _correlations(fit),
         _profiles(fit, extra),
         _left_out(extra),
+        _beside(fit, extra),
         _truth(fit, extra),
         Section("Remarks", sentences=tuple(fit.remarks())),
     ]
@@ -222,6 +228,41 @@ def _profiles(fit: "Fit", extra: Extra) -> Section:
 def _left_out(extra: Extra) -> Section:
     rows = tuple((name, _share(r2)) for name, r2 in extra.left_out.items())
     return Section("Each condition predicted by a fit to all others", ("left out", "R2|"), rows)
+
+
+def _beside(fit: "Fit", extra: Extra) -> Section:
+    """The network beside eta, which has five free numbers and knows the angle of the object."""
+    title = "Beside the looming law, seen through the same observation"
+    if not (it := extra.beside):
+        return Section(title)
+    hard = {curve.condition: curve.r2() for curve in fit.curves if curve.channel == "rate"}
+    rows = tuple(
+        (
+            name,
+            *(_share(r2) for r2 in (hard[name], it.r2[name], extra.left_out.get(name, math.nan), it.left_out[name])),
+            *(f"{time:+.1f}" for time in peaks),
+        )
+        for name, peaks in it.peaks.items()
+    )
+    columns = ("approach", "R2 network|", "law|", "left out: network|", "law|")
+    columns += ("peak in ms: recorded|", "network|", "law|")
+    seen, law = it.law.observation, it.law
+    means = [float(np.mean(list(r2.values()))) for r2 in (extra.left_out, it.left_out) if r2]
+    return Section(
+        title,
+        columns,
+        rows,
+        (
+            *(
+                f"Peaks, {name}: {line.alpha:.2f} l/|v| - {line.delta:.1f} ms before collision, r2 {line.r2:.3f}."
+                for name, line in it.lines.items()
+            ),
+            f"Left out, in the mean: {' and '.join(_share(mean) for mean in means)}"
+            + (" (network, law)." if len(means) > 1 else " (law)."),
+            f"The law: alpha {law.alpha:.2f}, gain (l/|v|)^{law.exponent:.2f} and {float(seen.gain):.0f} spikes/s at "
+            f"40 ms, baseline {float(seen.baseline):.1f} spikes/s, latency with delta {float(seen.latency):.0f} ms.",
+        ),
+    )
 
 
 def _truth(fit: "Fit", extra: Extra) -> Section:

@@ -1,12 +1,26 @@
 """Every row on a signal that is made to pass and on ones that are made to fail it."""
 
+import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
 from lgmd2jax._characterise import _trials as trials
+from lgmd2jax._characterise._curves import normalised
 from lgmd2jax._characterise._trials import textured
-from lgmd2jax._characterise._verdicts import ROWS
-from tests.characterise.signals import added, bump, eta, ideal, onset, seen, step, unadapted
+from lgmd2jax._characterise._verdicts import ROWS, judged
+from tests.characterise.signals import (
+    EXAM,
+    added,
+    bump,
+    eta,
+    ideal,
+    onset,
+    potentials,
+    seen,
+    step,
+    unadapted,
+)
 
 STRAIGHT = trials.translation()
 
@@ -137,6 +151,18 @@ def test_adaptation_must_act_on_translation_and_not_on_the_loom(before):
 
 def test_a_silent_model_passes_nothing():
     assert held(seen(ideal(), gain=0.04)) == set()
+
+
+def test_a_silent_model_passes_nothing_in_a_batch_either():
+    """Where XLA takes maxima over a batch on a CPU it loses NaN."""
+    gains = jnp.where(jnp.arange(16) % 2, 0.4, 0.04)
+    shapes = [[jnp.asarray(it) - 0.5 for it in potentials(each, gain=1.0)] for each in (unadapted(ideal()), ideal())]
+
+    def passed(gain):
+        smp, smp_adapted = ([0.5 + gain * it for it in shape] for shape in shapes)
+        return judged(normalised(EXAM, smp, smp_adapted))[1].sum()
+
+    np.testing.assert_array_equal(jax.jit(jax.vmap(passed))(gains), np.where(np.arange(16) % 2, 22, 0))
 
 
 def test_one_that_is_silent_in_the_textured_scene_fails_where_that_is_asked():

@@ -72,3 +72,26 @@ def test_what_is_not_determined_is_not_judged():
         return z.at[2].set(0.0)
 
     assert judged(bent) == ()
+
+
+@pytest.mark.parametrize("follows", [True, False])
+def test_what_moves_along_a_plateau_is_rough_though_it_is_straight_at_the_best_point(follows):
+    """Below .4 theta2 leaves no trace of its own, and tau1 makes up for it: locally they are not correlated."""
+
+    def bent(z):
+        first = 0.1 * jnp.square(jnp.maximum(z[0] - 0.4, 0))
+        return jnp.stack([first, z[1] + follows * 0.2 * jnp.minimum(z[0], 0.4), z[2]])
+
+    found = judged(bent, z=np.array([0.41, 0.6, 0.5]))
+    assert "theta2" in found
+    assert ("tau1" in found) == follows
+
+
+@pytest.mark.parametrize("follows", [True, False])
+def test_what_hangs_on_a_parameter_at_its_bound_is_rough(follows):
+    """There the others' errors are those with it held; chi2 hardly rises as it leaves the bound."""
+
+    def bent(z):
+        return jnp.stack([3e-4 * z[0], z[1] + follows * 0.01 * z[0], z[2]])
+
+    assert judged(bent, z=np.array([0.0, 0.6, 0.5])) == (("tau1",) if follows else ())
