@@ -14,8 +14,8 @@ import numpy as np
 from tqdm import tqdm
 
 from lgmd2jax._files import replaced
-from lgmd2jax._model import LGMD2
 from lgmd2jax._model_argument import MODEL_HELP, model_named, with_parameters
+from lgmd2jax._network import Network
 from lgmd2jax._overlay import Overlay, video_writer
 from lgmd2jax._repeats import RULE
 from lgmd2jax._snapshots import Snapshots
@@ -104,7 +104,7 @@ def run(options: argparse.Namespace) -> None:
     print("wrote     " + ", ".join(str(path) for path in outputs))
 
 
-def responses(model: LGMD2, frames: Iterable[Frame]) -> Iterator[tuple[Frame, Row]]:
+def responses(model: Network, frames: Iterable[Frame]) -> Iterator[tuple[Frame, Row]]:
     """The model frame by frame. A repeated frame does not reach it, and comes with the row before."""
     state, row = None, None
     for frame in frames:

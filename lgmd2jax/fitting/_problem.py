@@ -12,7 +12,7 @@ import numpy as np
 from jax.tree_util import Partial
 from jaxtyping import Array, Bool, Float
 
-from lgmd2jax._model import LGMD2, channels, potentials
+from lgmd2jax._network import Network, channels, potentials
 from lgmd2jax._observation import Observation
 from lgmd2jax._target import Target
 from lgmd2jax._thresholds import Hard, Soft, Thresholds
@@ -66,7 +66,7 @@ class Problem(eqx.Module):
     thresholds; a number softens them.
     """
 
-    model: LGMD2
+    model: Network
     observation: Observation
     batches: tuple[Batch, ...]
     places: tuple[tuple[Place, ...], ...] = eqx.field(static=True)
@@ -85,13 +85,13 @@ class Problem(eqx.Module):
 
     def at(
         self, z: Float[Array | np.ndarray, " free"], temperature: Float[Array, ""] | None = None
-    ) -> tuple[LGMD2, Observation]:
+    ) -> tuple[Network, Observation]:
         """The model and the observation at a point."""
         parameters, observation = self.free.insert(self.model.parameters, self.observation, z)
         thresholds = self.model.thresholds if temperature is None else softened(self.model.thresholds, temperature)
         return dataclasses.replace(self.model, parameters=parameters, thresholds=thresholds), observation
 
-    def potentials(self, model: LGMD2) -> Potentials:
+    def potentials(self, model: Network) -> Potentials:
         """MP and F of every condition: all that the cell sees."""
 
         def one(batch: Batch):
@@ -99,7 +99,7 @@ class Problem(eqx.Module):
 
         return tuple(one(batch) for batch in self.batches)
 
-    def curves(self, model: LGMD2, observation: Observation, seen: Potentials) -> Curves:
+    def curves(self, model: Network, observation: Observation, seen: Potentials) -> Curves:
         """The predicted curve of every slot of every batch."""
         curves = []
         for batch, (mp, f) in zip(self.batches, seen, strict=True):
@@ -179,7 +179,7 @@ def softened(thresholds: Thresholds, temperature: Float[Array, ""]) -> Threshold
 
 
 def problem_of(
-    model: LGMD2,
+    model: Network,
     observation: Observation,
     free: Free,
     conditions: Sequence[tuple[Stimulus, Sequence[Target]]],

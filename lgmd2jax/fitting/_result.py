@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Array, Float
 from scipy import stats
 
-from lgmd2jax._model import LGMD2
+from lgmd2jax._network import Network
 from lgmd2jax._observation import Observation
 from lgmd2jax._parameters import Parameters, symbols
 from lgmd2jax._protocol import Condition
@@ -47,7 +47,7 @@ class Fit:
     - `result`: `"converged"`, or why the best descent stopped. `stats`: counts of what was done.
     """
 
-    model: LGMD2
+    model: Network
     observation: Observation
     free: Free
     z: Float[np.ndarray, " free"]
@@ -81,13 +81,13 @@ class Fit:
         return self.uncertainty.covariance
 
     @property
-    def soft(self) -> LGMD2:
+    def soft(self) -> Network:
         """The same parameters at the last temperature."""
         thresholds = softened(self.model.thresholds, jnp.asarray(self.temperatures[-1], dtype=float))
         return dataclasses.replace(self.model, thresholds=thresholds)
 
     @property
-    def hard(self) -> LGMD2:
+    def hard(self) -> Network:
         """The same parameters with hard thresholds."""
         return dataclasses.replace(self.model, thresholds=Hard())
 
