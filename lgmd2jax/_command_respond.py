@@ -28,6 +28,7 @@ examples:
   lgmd2jax respond crash.mp4 --resize 108 --set T_sp=.65  as on the robot: small frames, a low spike threshold
   lgmd2jax respond dashcam.mp4 --drop-duplicates          a file whose frame rate was converted
   lgmd2jax respond film.mp4 --crop :,36:397               without the black bars left and right
+  lgmd2jax respond crash.mp4 --model preset:yue_rind      the LGMD1 that the paper compares with
   lgmd2jax respond frames/ --fps 100                      a folder of images
   lgmd2jax respond crash.mp4 --overlay crash-lgmd2.mp4    the clip with trace and alarm drawn on it
 

@@ -1,5 +1,7 @@
 """The LGMD2: its two stages, pixels and cell, put together as a `Network`."""
 
+from typing import ClassVar
+
 import equinox as eqx
 
 from lgmd2jax._eye import Eye
@@ -35,6 +37,7 @@ class LGMD2(Network):
     **Raises:** `ValueError` for structure that does not exist and for persistence that is not stable.
     """
 
+    pixel_parameters: ClassVar = ("theta1", "theta2", "theta3", "tau1", "w_bias", "sigma1", "T_s", "u")
     parameters: Parameters = eqx.field(default_factory=Parameters)
     thresholds: Thresholds = eqx.field(default_factory=Hard)
     n_p: int = eqx.field(default=0, static=True)

@@ -4,7 +4,7 @@ import abc
 import dataclasses
 import warnings
 from collections.abc import Callable
-from typing import Any
+from typing import Any, ClassVar, TypeVar
 
 import equinox as eqx
 import jax
@@ -14,7 +14,7 @@ from jaxtyping import Array, Float, Real
 
 from lgmd2jax import _retina as retina
 from lgmd2jax._eye import Eye
-from lgmd2jax._parameters import ParameterSet, check_domains, declared, is_concrete
+from lgmd2jax._parameters import check_domains, declared, is_concrete
 from lgmd2jax._pixels import cast
 from lgmd2jax._retina import Map
 from lgmd2jax._thresholds import Scalar, Thresholds
@@ -61,7 +61,9 @@ class Network(eqx.Module):
     changes. `LGMD2` and `YueRindLGMD1` say what the stages compute.
     """
 
-    parameters: eqx.AbstractVar[ParameterSet]
+    # What the pixels need; every other parameter acts on MP(t) and F(t), which then need not be computed again.
+    pixel_parameters: ClassVar[tuple[str, ...]]
+    parameters: eqx.AbstractVar[Any]  # a ParameterSet
     thresholds: eqx.AbstractVar[Thresholds]
     n_p: eqx.AbstractVar[int]
     eye: eqx.AbstractVar[Eye | None]
@@ -89,7 +91,7 @@ class Network(eqx.Module):
         """The next state of the cell and its channels; all numbers come in the cell's precision."""
 
     def __check_init__(self):
-        kinds = {field.name: field.type for field in dataclasses.fields(self)}
+        kinds: dict[str, Any] = {field.name: field.type for field in dataclasses.fields(self)}
         for name in ("parameters", "thresholds", "eye"):
             if not isinstance(getattr(self, name), kinds[name]):
                 raise ValueError(f"{name} is {getattr(self, name)!r}; give {kinds[name]!r}")
@@ -122,7 +124,7 @@ class Network(eqx.Module):
 
         **Raises:** `ValueError` for a wrong shape, and for concrete values that are not finite or out of their domain.
         """
-        frames = _as_pixels(frames, self.parameters, "frames", "(time, row, col)", rank=3)
+        frames = _as_pixels(frames, self.parameters.k.dtype, "frames", "(time, row, col)", rank=3)
         if len(frames) < 2:
             count = "one frame" if len(frames) else "0 frames"
             raise ValueError(f"frames holds {count}; the network sees changes, so give at least 2")
@@ -139,7 +141,7 @@ class Network(eqx.Module):
 
         **Raises:** `ValueError` for a wrong shape.
         """
-        frame = _as_pixels(frame, self.parameters, "frame", "(row, col)", rank=2)
+        frame = _as_pixels(frame, self.parameters.k.dtype, "frame", "(row, col)", rank=2)
         return State(self._pixels_at_rest(frame), self._cell_at_rest(self._cell_dtype(frame)))
 
     def step(
@@ -161,7 +163,7 @@ class Network(eqx.Module):
 
         **Raises:** `ValueError` as for a call, and for a frame of another size than the state's.
         """
-        frame = _as_pixels(frame, self.parameters, "frame", "(row, col)", rank=2)
+        frame = _as_pixels(frame, self.parameters.k.dtype, "frame", "(row, col)", rank=2)
         if frame.shape != state.pixels.luminance.shape:
             raise ValueError(
                 f"frame has shape {frame.shape}, the state {state.pixels.luminance.shape}; start anew with init(frame)"
@@ -180,8 +182,7 @@ class Network(eqx.Module):
 
     def _cell(self, state, mp, f, interval, pixels: int) -> tuple[Any, dict[str, Array]]:
         """The cell in its own precision."""
-        mine = cast((self.parameters, interval, mp, f), self._cell_dtype(mp))
-        parameters, interval, mp, f = mine
+        parameters, interval, mp, f = cast((self.parameters, interval, mp, f), self._cell_dtype(mp))
         return self._cell_step(state, mp, f, parameters, interval, pixels)
 
     def _interval(self, fps):
@@ -224,6 +225,9 @@ class Network(eqx.Module):
         return response
 
 
+AnyNetwork = TypeVar("AnyNetwork", bound=Network)
+
+
 @eqx.filter_jit
 def _respond(network: Network, frames, interval, record) -> Response:
     network, interval = _opaque((network, interval))
@@ -263,8 +267,8 @@ def _opaque(tree):
     return eqx.combine(jax.tree.map(jax.lax.optimization_barrier, arrays), rest)
 
 
-def _as_pixels(frames, parameters: ParameterSet, name: str, shape: str, rank: int) -> Array:
-    """Frames in the dtype in which pixels compute, their shape checked."""
+def _as_pixels(frames, dtype, name: str, shape: str, rank: int) -> Array:
+    """Frames in the dtype in which pixels compute, `dtype` for integers, their shape checked."""
     try:
         frames = jnp.asarray(frames)
     except TypeError:
@@ -274,7 +278,7 @@ def _as_pixels(frames, parameters: ParameterSet, name: str, shape: str, rank: in
     if min(frames.shape[-2:]) < 3:
         raise ValueError(f"{name} has shape {frames.shape}; the lateral spread needs at least 3 rows and 3 columns")
     if jnp.issubdtype(frames.dtype, jnp.integer):
-        return frames.astype(parameters.k.dtype)
+        return frames.astype(dtype)
     if frames.dtype not in (jnp.float32, jnp.float64):
         raise ValueError(f"{name} has dtype {frames.dtype}; give integers, float32 or float64")
     return frames

@@ -1,9 +1,10 @@
 """The parameters of the network, by the paper's symbols, and all that is known of each."""
 
+import abc
 import dataclasses
 import difflib
 from collections.abc import Mapping
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import equinox as eqx
 import jax
@@ -69,18 +70,25 @@ def _symbol(
     return {"symbol": Symbol(meaning, unit, domain, bounds, source, scale)}
 
 
+class Levels(NamedTuple):
+    """Where a curve crosses what: the SMP from which there are one, two.. spikes, the FFI that forbids them."""
+
+    spikes: tuple[float, ...]
+    ffi: float
+
+
 class ParameterSet(eqx.Module):
     """Parameters of a network that declare themselves: one floating scalar each, so the whole is a pytree of leaves.
 
-    Every network has a persistence, a feed-forward inhibition, a sigmoid and a spiking threshold, by the same symbols.
+    By the same symbols each has u, T_ffi, k and T_sp, and in `levels` what figures draw.
 
     **Raises:** `ValueError` for a value outside its domain, when the value is concrete (not traced).
     """
 
-    u: eqx.AbstractVar[Float[Array, ""]]
-    T_ffi: eqx.AbstractVar[Float[Array, ""]]
-    k: eqx.AbstractVar[Float[Array, ""]]
-    T_sp: eqx.AbstractVar[Float[Array, ""]]
+    @property
+    @abc.abstractmethod
+    def levels(self) -> Levels:
+        """The thresholds of the cell, as figures draw them."""
 
     def __check_init__(self):
         for name in declared(type(self)):
@@ -94,12 +102,12 @@ class ParameterSet(eqx.Module):
         check_domains(self)
 
     def __repr__(self):
-        rows = []
+        rows, width = [], max(map(len, declared(type(self))))
         for name, symbol in declared(type(self)).items():
             leaf = getattr(self, name)
             value = f"{leaf:.6g}" if is_concrete(leaf) and np.ndim(leaf) == 0 else eqx.tree_pformat(leaf)
             unit = "" if symbol.unit == "1" else symbol.unit
-            rows.append(f"  {name:8} = {value:<10} {unit:12} {symbol.meaning}")
+            rows.append(f"  {name:{width}} = {value:<10} {unit:12} {symbol.meaning}")
         return f"{type(self).__name__}(\n" + "\n".join(rows) + "\n)"
 
 
@@ -212,6 +220,11 @@ class Parameters(ParameterSet):
         converter=_scalar,
         metadata=_symbol("spikes in N_ts + 1 frames that make an alarm (eq. 17)", "spikes", "(0, inf)", (1.0, 10.0)),
     )
+
+    @property
+    def levels(self) -> Levels:
+        """The thresholds of the cell, as figures draw them."""
+        return Levels((float(self.T_sp), float(self.T_sp + self.sigma_sp)), float(self.T_ffi))
 
 
 def symbols(kind: type[ParameterSet] = Parameters) -> dict[str, Symbol]:

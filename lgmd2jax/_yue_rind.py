@@ -1,6 +1,6 @@
 """The LGMD1 of Yue & Rind, with which the paper compares: no ON and OFF pathways, no adaptation, and a G layer.
 
-Equations by name, as public codes agree on them; E is excitation, I inhibition, S their sum, G what grouping makes of it.
+As public codes agree on it. I is inhibition, S what it leaves of P, G what grouping makes of S.
 """
 
 from typing import Any, ClassVar
@@ -13,7 +13,7 @@ from lgmd2jax import _medulla as medulla, _retina as retina
 from lgmd2jax._eye import Eye
 from lgmd2jax._lobula import membrane_potential
 from lgmd2jax._network import Network
-from lgmd2jax._parameters import ParameterSet, _scalar, _symbol
+from lgmd2jax._parameters import Levels, ParameterSet, _scalar, _symbol
 from lgmd2jax._pixels import cast, scan_pixels
 from lgmd2jax._pool import pool
 from lgmd2jax._retina import Map
@@ -101,6 +101,11 @@ class YueRindParameters(ParameterSet):
         metadata=_symbol("spiking threshold (.78 and .8 are in use too)", "1", "(0.5, 1)", (0.6, 0.95), _SOURCE),
     )
 
+    @property
+    def levels(self) -> Levels:
+        """The thresholds of the cell, as figures draw them: T is what it settles at, within two frames."""
+        return Levels((float(self.T_sp),), float(self.T_ffi / (1 - self.alpha_ffi)))
+
 
 class YueRindLayers(eqx.Module):
     """The maps of one frame, in grey levels, for `record` to choose from: `g_kept` is G after its threshold."""
@@ -140,7 +145,8 @@ class YueRindLGMD1(Network):
 
     - `mp`: K, which is what the sigmoid sees. `ffi`: F(t) as it is compared with T(t), one frame old and not delayed.
     - `smp` and `smp_adapted`: both kappa, since the LGMD1 does not adapt. Here FFI forbids spikes and leaves the
-      potential; the LGMD2's falls to rest. So compare potentials for what moves slowly, spikes for what fills the field.
+      potential, where the LGMD2's falls to rest: compare potentials of small motion, spikes of what fills the field.
+      `characterise` reads potentials, so that its rows do not see this FFI.
     - `spikes`: 0 or 1. `collision`: whether the last N_sp frames all had a spike.
 
     Nothing in it depends on the length of a frame. Its values belong to a frame rate all the same: `at_frame_rate`.
@@ -157,7 +163,8 @@ class YueRindLGMD1(Network):
 
     parameters: YueRindParameters = eqx.field(default_factory=YueRindParameters)
     thresholds: Thresholds = eqx.field(default_factory=Hard)
-    n_p: ClassVar[int] = 1
+    pixel_parameters: ClassVar = ("u", "W_I", "Delta_C", "C_omega", "C_de", "T_de")
+    n_p: int = eqx.field(default=1, static=True, init=False)
     N_sp: int = eqx.field(default=4, static=True)
     eye: Eye | None = eqx.field(default=None, static=True)
 

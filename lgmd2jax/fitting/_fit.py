@@ -84,7 +84,7 @@ def fit(
     **Raises:** `ValueError` for conditions without targets, for a start outside of its bounds, for more free parameters
     than independent samples, for a prior beside targets without errors, and for settings that make no sense.
     """
-    pairs, observation = rendered(conditions), observation or Observation()
+    pairs, observation, free = rendered(conditions), observation or Observation(), free.of(type(model.parameters))
     temperatures = _temperatures(model, temperatures)
     counts = {"pixel_points": pixel_points, "cell_points": cell_points, "descend": descend, "max_steps": max_steps}
     _check(pairs, free, loss, counts)

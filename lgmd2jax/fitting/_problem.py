@@ -20,8 +20,6 @@ from lgmd2jax.fitting._free import Free
 from lgmd2jax.fitting._robust import Loss, robust
 from lgmd2jax.stimuli import Stimulus
 
-# What the pixels need; every other parameter acts on MP(t) and F(t), which then need not be computed again.
-PIXEL_PARAMETERS = ("theta1", "theta2", "theta3", "tau1", "w_bias", "sigma1", "T_s", "u")
 # Far beyond any kernel: no smoothing reaches from a frame that a clip has into one that only fills up its batch.
 _FAR_MS = 1e6
 
@@ -76,7 +74,7 @@ class Problem(eqx.Module):
     @property
     def pixel_indices(self) -> tuple[int, ...]:
         """The free parameters that the pixels need."""
-        return self.free.indices(*PIXEL_PARAMETERS)
+        return self.free.indices(*self.model.pixel_parameters)
 
     @property
     def cell_indices(self) -> tuple[int, ...]:

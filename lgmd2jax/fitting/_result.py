@@ -10,8 +10,8 @@ from jaxtyping import Array, Float
 from scipy import stats
 
 from lgmd2jax._network import Network
-from lgmd2jax._observation import Observation
-from lgmd2jax._parameters import Parameters, symbols
+from lgmd2jax._observation import Observation, observation_symbols
+from lgmd2jax._parameters import ParameterSet
 from lgmd2jax._protocol import Condition
 from lgmd2jax._target import Channel, Target
 from lgmd2jax._thresholds import Hard
@@ -66,7 +66,7 @@ class Fit:
     problem: Problem | None = None
 
     @property
-    def parameters(self) -> Parameters:
+    def parameters(self) -> Any:
         """The parameters of `model`."""
         return self.model.parameters
 
@@ -193,8 +193,8 @@ class Fit:
     def _repr_html_(self) -> str:
         return html(self, Extra())
 
-    def _owner(self, name: str) -> Parameters | Observation:
-        return self.model.parameters if name in symbols() else self.observation
+    def _owner(self, name: str) -> ParameterSet | Observation:
+        return self.observation if name in observation_symbols() else self.model.parameters
 
     def _residuals(self, what: str) -> Callable[[Float[Array, " free"]], Float[Array, " n"]]:
         if self.problem is None:
