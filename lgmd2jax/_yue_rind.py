@@ -27,7 +27,8 @@ class YueRindParameters(ParameterSet):
     """The parameters of `YueRindLGMD1`: the paper's symbols for what the LGMD2 has too, Yue & Rind's for the rest.
 
     The defaults are the published values. `symbols(YueRindParameters)` says what each means, in which unit, where it
-    may lie and where a fit searches. C_de and T_de act by T_de/C_de alone: free one of them.
+    may lie and where a fit searches. Of C_de and T_de only T_de/C_de counts, and C_omega, T_de and k times one factor
+    change next to nothing: a fit that frees T_de and k holds C_de and C_omega.
 
     **Raises:** `ValueError` for a value outside its domain, when the value is concrete (not traced).
     """
@@ -35,7 +36,9 @@ class YueRindParameters(ParameterSet):
     u: Float[Array, ""] = eqx.field(
         default=1.0,
         converter=_scalar,
-        metadata=_symbol("decay of the photoreceptors' persistence over a frame", "1", "(-inf, inf)", (0, 3), _SOURCE),
+        metadata=_symbol(
+            "decay of the photoreceptors' persistence over a frame", "1", "(-inf, inf)", (0.0, 3.0), _SOURCE
+        ),
     )
     W_I: Float[Array, ""] = eqx.field(
         default=0.3,
@@ -58,18 +61,23 @@ class YueRindParameters(ParameterSet):
         default=4.0,
         converter=_scalar,
         metadata=_symbol(
-            "by what the largest group is divided, as the scale of grouping", "1", "(0, inf)", (1, 16), _SOURCE, "log"
+            "by what the largest group is divided, as the scale of grouping",
+            "1",
+            "(0, inf)",
+            (1.0, 16.0),
+            _SOURCE,
+            "log",
         ),
     )
     C_de: Float[Array, ""] = eqx.field(
         default=0.5,
         converter=_scalar,
-        metadata=_symbol("weight of G where it is compared with T_de", "1", "(0, inf)", (0.1, 1), _SOURCE, "log"),
+        metadata=_symbol("weight of G where it is compared with T_de", "1", "(0, inf)", (0.1, 1.0), _SOURCE, "log"),
     )
     T_de: Float[Array, ""] = eqx.field(
         default=15.0,
         converter=_scalar,
-        metadata=_symbol("threshold of the G layer", "grey level", "[0, inf)", (1, 60), _SOURCE, "log"),
+        metadata=_symbol("threshold of the G layer", "grey level", "[0, inf)", (1.0, 60.0), _SOURCE, "log"),
     )
     T_ffi: Float[Array, ""] = eqx.field(
         default=10.0,
@@ -78,7 +86,7 @@ class YueRindParameters(ParameterSet):
             "feed-forward inhibition from which there is no spike, at the start",
             "grey level",
             "(0, inf)",
-            (1, 60),
+            (1.0, 60.0),
             _SOURCE,
             "log",
         ),
@@ -86,13 +94,13 @@ class YueRindParameters(ParameterSet):
     alpha_ffi: Float[Array, ""] = eqx.field(
         default=0.02,
         converter=_scalar,
-        metadata=_symbol("share of that threshold in its next value", "1", "[0, 1)", (0, 0.5), _SOURCE),
+        metadata=_symbol("share of that threshold in its next value", "1", "[0, 1)", (0.0, 0.5), _SOURCE),
     )
     k: Float[Array, ""] = eqx.field(
         default=1.0,
         converter=_scalar,
         metadata=_symbol(
-            "mean potential of a pixel that maps to sigma(1)", "grey level", "(0, inf)", (0.1, 2), _PRIOR, "log"
+            "mean potential of a pixel that maps to sigma(1)", "grey level", "(0, inf)", (0.1, 2.0), _PRIOR, "log"
         ),
     )
     T_sp: Float[Array, ""] = eqx.field(
