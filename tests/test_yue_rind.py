@@ -81,7 +81,7 @@ def kept(layers):
     return layers.g_kept
 
 
-@pytest.mark.parametrize("temperature", [None, 0.3, 1.0])
+@pytest.mark.parametrize("temperature", [None, 0.3])
 @pytest.mark.parametrize("name", SETS)
 @pytest.mark.parametrize(
     "frames", [clips.noise(0, (12, 5, 7)), clips.noise(1, (6, 3, 3)), clips.loom()], ids=["noise", "smallest", "loom"]
@@ -102,9 +102,8 @@ def test_the_clip_for_it_crosses_every_threshold():
     assert 0 < out["collision"].sum() < out["spikes"].sum() < np.sum(out["smp"] >= 0.8) < 12
 
 
-@pytest.mark.parametrize("precision", ["uint8", "float64"])
 @pytest.mark.parametrize("thresholds", [lgmd.Hard(), lgmd.Soft(1.0), lgmd.StraightThrough(0.5)], ids=str)
-@pytest.mark.parametrize("shape", [(9, 7, 9), (4, 48, 64)])
+@pytest.mark.parametrize(("shape", "precision"), [((9, 7, 9), "uint8"), ((4, 48, 64), "float64")])
 def test_stepping_equals_the_scan_to_the_bit(shape, thresholds, precision):
     frames, network = clips.noise(4, shape).astype(precision), model(thresholds)
     clip, state = network(frames, 30.0), network.init(frames[0])
@@ -328,7 +327,7 @@ def test_a_fit_recovers_its_parameters():
     truth = lgmd.YueRindLGMD1(lgmd.YueRindParameters(W_I=0.5, k=4.0), lgmd.Soft(), eye=eye)
     conditions = [(it, lgmd.ModelTarget(model=truth, channel="smp")) for it in shown]
     start = lgmd.YueRindLGMD1(lgmd.YueRindParameters(k=1.5), lgmd.Soft(), eye=eye)
-    settings: dict[str, Any] = {"pixel_points": 4, "cell_points": 8, "descend": 1}
+    settings: dict[str, Any] = {"pixel_points": 2, "cell_points": 2, "descend": 1}
     fit = lgmd.fit(start, conditions, lgmd.Free(W_I=None, k=(0.5, 20)), key=jax.random.key(0), **settings)
     assert isinstance(fit.model, lgmd.YueRindLGMD1)
     assert fit.values == pytest.approx({"W_I": 0.5, "k": 4.0}, rel=1e-6)
