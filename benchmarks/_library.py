@@ -7,7 +7,7 @@ import jax.numpy as jnp
 
 import lgmd2jax as lgmd
 from benchmarks._task import FPS, PARAMETERS, SMALL
-from lgmd2jax._model import channels
+from lgmd2jax._network import channels
 from lgmd2jax._pixels import scan_pixels
 from lgmd2jax._sensitivity import potentials
 

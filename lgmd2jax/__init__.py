@@ -13,8 +13,9 @@ from lgmd2jax._export import load as load, save as save
 from lgmd2jax._eye import Eye as Eye
 from lgmd2jax._frame_rate import at_frame_rate as at_frame_rate
 from lgmd2jax._looming_law import LoomingLaw as LoomingLaw
-from lgmd2jax._model import LGMD2 as LGMD2, Response as Response, State as State
+from lgmd2jax._model import LGMD2 as LGMD2
 from lgmd2jax._model_target import ModelTarget as ModelTarget
+from lgmd2jax._network import Network as Network, Response as Response, State as State
 from lgmd2jax._observation import Observation as Observation, observation_symbols as observation_symbols
 from lgmd2jax._parameters import (
     PRESETS as PRESETS,
@@ -39,6 +40,11 @@ from lgmd2jax._thresholds import (
     Widths as Widths,
 )
 from lgmd2jax._weighted import Weighted as Weighted
+from lgmd2jax._yue_rind import (
+    YueRindLayers as YueRindLayers,
+    YueRindLGMD1 as YueRindLGMD1,
+    YueRindParameters as YueRindParameters,
+)
 from lgmd2jax.fitting import (
     Fit as Fit,
     Free as Free,

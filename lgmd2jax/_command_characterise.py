@@ -13,8 +13,8 @@ from lgmd2jax._characterise._table import table
 from lgmd2jax._eye import Eye
 from lgmd2jax._files import replaced
 from lgmd2jax._frame_rate import at_frame_rate
-from lgmd2jax._model import LGMD2
 from lgmd2jax._model_argument import model_file, model_named
+from lgmd2jax._network import Network
 from lgmd2jax._results import MARKER, load_fit
 from lgmd2jax.fitting import Fit
 
@@ -24,6 +24,7 @@ examples:
   lgmd2jax characterise lgmd2                              the shipped fit lgmd2
   lgmd2jax characterise preset:lgmd2 lgmd2 preset:balanced --figure models.png --json models.json
                                                            the paper's, a fitted one, and one like an LGMD1
+  lgmd2jax characterise preset:lgmd2 preset:yue_rind       beside the LGMD1 that the paper compares with
   lgmd2jax characterise mine/model.json --ablate           without FFI, SFA, lateral inhibition, ON pathway
   lgmd2jax characterise mine/model.json --raster           objects moved by half a pixel; an eye of 1 degree a pixel
 
@@ -88,7 +89,7 @@ def run(options: argparse.Namespace) -> None:
         print("\nwrote " + ", ".join(str(path) for path in outputs))
 
 
-def _examined(models: dict[str, LGMD2 | Fit], options) -> tuple[dict[str, Characterisation], list[str]]:
+def _examined(models: dict[str, Network | Fit], options) -> tuple[dict[str, Characterisation], list[str]]:
     one = next(iter(models.values()))
     one = one.model if isinstance(one, Fit) else one
     if options.ablate:
@@ -103,7 +104,7 @@ def _examined(models: dict[str, LGMD2 | Fit], options) -> tuple[dict[str, Charac
     return found, []
 
 
-def _named(name: str, with_fit: bool) -> LGMD2 | Fit:
+def _named(name: str, with_fit: bool) -> Network | Fit:
     """The model, or the fit that lies beside it; a preset on the eye of a locust."""
     path = model_file(name)
     if path is None:

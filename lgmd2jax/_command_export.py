@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 from lgmd2jax import hard
-from lgmd2jax._export import save
+from lgmd2jax._export import handed_over, save
 from lgmd2jax._files import replaced
 from lgmd2jax._model_argument import model_file, model_named
 
@@ -42,7 +42,7 @@ def add(commands) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Check the model, write both files, and say how to use them."""
-    model, folder = model_named(options.model), options.python
+    model, folder = handed_over(model_named(options.model)), options.python
     paths = folder / "model.json", folder / "hard.py"
     _check_place(folder, paths)
     source = Path(hard.__file__).read_bytes()

@@ -14,8 +14,8 @@ import numpy as np
 from tqdm import tqdm
 
 from lgmd2jax._files import replaced
-from lgmd2jax._model import LGMD2
 from lgmd2jax._model_argument import MODEL_HELP, model_named, with_parameters
+from lgmd2jax._network import Network
 from lgmd2jax._overlay import Overlay, video_writer
 from lgmd2jax._repeats import RULE
 from lgmd2jax._snapshots import Snapshots
@@ -28,6 +28,7 @@ examples:
   lgmd2jax respond crash.mp4 --resize 108 --set T_sp=.65  as on the robot: small frames, a low spike threshold
   lgmd2jax respond dashcam.mp4 --drop-duplicates          a file whose frame rate was converted
   lgmd2jax respond film.mp4 --crop :,36:397               without the black bars left and right
+  lgmd2jax respond crash.mp4 --model preset:yue_rind      the LGMD1 that the paper compares with
   lgmd2jax respond frames/ --fps 100                      a folder of images
   lgmd2jax respond crash.mp4 --overlay crash-lgmd2.mp4    the clip with trace and alarm drawn on it
 
@@ -104,7 +105,7 @@ def run(options: argparse.Namespace) -> None:
     print("wrote     " + ", ".join(str(path) for path in outputs))
 
 
-def responses(model: LGMD2, frames: Iterable[Frame]) -> Iterator[tuple[Frame, Row]]:
+def responses(model: Network, frames: Iterable[Frame]) -> Iterator[tuple[Frame, Row]]:
     """The model frame by frame. A repeated frame does not reach it, and comes with the row before."""
     state, row = None, None
     for frame in frames:

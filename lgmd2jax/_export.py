@@ -14,13 +14,14 @@ from lgmd2jax import hard
 from lgmd2jax._eye import Eye
 from lgmd2jax._files import replaced
 from lgmd2jax._model import LGMD2
+from lgmd2jax._network import Network
 from lgmd2jax._parameters import Parameters, symbols
 from lgmd2jax._test_vector import make_test_vector
 
 Plain = str | int | float | bool
 
 
-def save(model: LGMD2, path: str | os.PathLike, provenance: Mapping[str, Plain] | None = None) -> None:
+def save(model: Network, path: str | os.PathLike, provenance: Mapping[str, Plain] | None = None) -> None:
     """Write the hand-over file: the parameters, for hard thresholds, with structure, eye, version and a test vector.
 
     Equal models give equal files. A number is written as shortly as its precision allows. Finding a test vector that
@@ -29,8 +30,10 @@ def save(model: LGMD2, path: str | os.PathLike, provenance: Mapping[str, Plain] 
     **Arguments:** `provenance` is what else the file says of its origin, by name: text, numbers, truth values. Leave
     out what differs between two runs of the same fit, such as the time.
 
-    **Raises:** `ValueError` for a batch of models and for other provenance, `OSError` where the file cannot be written.
+    **Raises:** `ValueError` for a batch of models, for another than an `LGMD2` and for other provenance, `OSError`
+    where the file cannot be written.
     """
+    model = handed_over(model)
     parameters = {}
     for name in symbols():
         leaf = np.asarray(getattr(model.parameters, name))
@@ -52,6 +55,16 @@ def save(model: LGMD2, path: str | os.PathLike, provenance: Mapping[str, Plain] 
     }
     with replaced(path) as temporary:
         temporary.write_text(_numbers_in_rows(json.dumps(content, indent=2, allow_nan=False)) + "\n", encoding="utf-8")
+
+
+def handed_over(model: Network) -> LGMD2:
+    """The model, where a hand-over file can hold it.
+
+    **Raises:** `ValueError` for another than an `LGMD2`.
+    """
+    if not isinstance(model, LGMD2):
+        raise ValueError(f"the model is a {type(model).__name__}; a hand-over file, and hard.py, hold an LGMD2")
+    return model
 
 
 def load(path: str | os.PathLike) -> LGMD2:

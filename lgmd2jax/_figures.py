@@ -13,7 +13,7 @@ from matplotlib.gridspec import SubplotSpec
 from matplotlib.rcsetup import cycler
 from matplotlib.ticker import EngFormatter, MaxNLocator
 
-from lgmd2jax._parameters import Parameters
+from lgmd2jax._parameters import ParameterSet
 from lgmd2jax._snapshots import Snapshot
 from lgmd2jax._trace import Trace
 
@@ -66,10 +66,10 @@ def check_figure_path(path: str | os.PathLike) -> None:
 
 
 def response_figure(
-    path: str | os.PathLike, trace: Trace, parameters: Parameters, snapshots: Sequence[Snapshot], title: str
+    path: str | os.PathLike, trace: Trace, parameters: ParameterSet, snapshots: Sequence[Snapshot], title: str
 ) -> None:
     """What the cell did over a clip: snapshots, SMP and spikes with their thresholds, MP, FFI with its own, alarms."""
-    time, T_ffi = trace.time_ms / 1000, float(parameters.T_ffi)
+    time, (levels, T_ffi) = trace.time_ms / 1000, parameters.levels
     with drawn(path, 10, 7.6) as figure:
         figure.suptitle(title)
         grid = figure.add_gridspec(5, 1, height_ratios=(1.0, 2.6, 0.55, 1.3, 1.3))
@@ -79,15 +79,14 @@ def response_figure(
         for axes in (smp, spikes, mp):
             axes.tick_params(labelbottom=False)
 
-        one, two = float(parameters.T_sp), float(parameters.T_sp + parameters.sigma_sp)
         smp.plot(time, trace.smp, color=SKY, linewidth=1, label="before adaptation")
         smp.plot(time, trace.smp_adapted, color=BLUE, linewidth=1.6, label="after adaptation")
-        _threshold(smp, one, "1 spike", VERMILION)
-        _threshold(smp, two, "2 spikes", VERMILION)
-        smp.set(ylabel="SMP", ylim=(0.48, max(1.09, two + 0.09)), yticks=np.linspace(0.5, 1, 6))
+        for count, level in enumerate(levels, start=1):
+            _threshold(smp, level, f"{count} spike{'s' * (count > 1)}", VERMILION)
+        smp.set(ylabel="SMP", ylim=(0.48, max(1.09, levels[-1] + 0.09)), yticks=np.linspace(0.5, 1, 6))
 
         spikes.vlines(time, 0, trace.spikes, color=BLACK, linewidth=1)
-        spikes.set(ylabel="spikes", ylim=(0, 2.3), yticks=(0, 1, 2))
+        spikes.set(ylabel="spikes", ylim=(0, len(levels) + 0.3), yticks=range(len(levels) + 1))
 
         mp.plot(time, trace.mp, color=BLACK)
         mp.set(ylabel="MP\n(grey levels)", ylim=(0, None))

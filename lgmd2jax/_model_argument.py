@@ -8,19 +8,26 @@ import equinox as eqx
 from lgmd2jax._catalogue import locate
 from lgmd2jax._export import load
 from lgmd2jax._model import LGMD2
-from lgmd2jax._parameters import nearest, preset, symbols
+from lgmd2jax._network import AnyNetwork, Network
+from lgmd2jax._parameters import PRESETS, nearest, preset, symbols
+from lgmd2jax._yue_rind import YueRindLGMD1
 
-_PRESET = "preset:"
+_PRESET, _YUE_RIND = "preset:", "yue_rind"
 MODEL_HELP = "a hand-over file model.json, the name of a shipped fit, or preset:NAME (default: %(default)s)"
 
 
-def model_named(name: str) -> LGMD2:
-    """The model of a path, of a shipped fit's bare name, or of `preset:NAME`.
+def model_named(name: str) -> Network:
+    """The model of a path, of a shipped fit's bare name, or of `preset:NAME`; `preset:yue_rind` is the LGMD1.
 
     **Raises:** `ValueError` for a preset or a file that is none, `FileNotFoundError` for a file that is not there.
     """
     path = model_file(name)
-    return LGMD2(preset(name.removeprefix(_PRESET))) if path is None else load(path)
+    if path is not None:
+        return load(path)
+    name = name.removeprefix(_PRESET)
+    if name not in (known := (*PRESETS, _YUE_RIND)):
+        raise ValueError(f"preset is {name!r}; choose {nearest(name, known)}")
+    return YueRindLGMD1() if name == _YUE_RIND else LGMD2(preset(name))
 
 
 def model_file(name: str) -> Path | None:
@@ -31,19 +38,20 @@ def model_file(name: str) -> Path | None:
     return None if name.startswith(_PRESET) else locate(name, "fits", "/model.json")
 
 
-def with_parameters(model: LGMD2, settings: Iterable[str]) -> LGMD2:
+def with_parameters(model: AnyNetwork, settings: Iterable[str]) -> AnyNetwork:
     """The model with single parameters set, each written as `NAME=VALUE`.
 
     **Raises:** `ValueError` for what is not written so, for unknown names, and for values out of their domain.
     """
+    known = symbols(type(model.parameters))
     for setting in settings:
         name, _, text = setting.partition("=")
-        if name not in symbols():
-            raise ValueError(f"parameter is {name!r}; choose {nearest(name, symbols())}")
+        if name not in known:
+            raise ValueError(f"parameter is {name!r}; choose {nearest(name, known)}")
         try:
             value = float(text)
         except ValueError:
             raise ValueError(f"{setting!r} gives no number; write {name}=VALUE") from None
-        parameters = {known: getattr(model.parameters, known) for known in symbols()} | {name: value}
+        parameters = {each: getattr(model.parameters, each) for each in known} | {name: value}
         model = eqx.tree_at(lambda model: model.parameters, model, type(model.parameters)(**parameters))
     return model

@@ -8,7 +8,7 @@ import jax
 import numpy as np
 from jaxtyping import Array, PRNGKeyArray, UInt32
 
-from lgmd2jax._model import LGMD2
+from lgmd2jax._network import Network
 from lgmd2jax._observation import Observation
 from lgmd2jax._target import Channel, Target, check_channel
 from lgmd2jax.stimuli import Stimulus
@@ -31,7 +31,7 @@ class ModelTarget:
     noise that is negative or not finite, and noise without a key.
     """
 
-    model: LGMD2
+    model: Network
     channel: Channel = "smp_adapted"
     observation: Observation | None = None
     noise: float | int = 0.0

@@ -9,7 +9,7 @@ from fractions import Fraction
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from lgmd2jax._parameters import Parameters
+from lgmd2jax._parameters import ParameterSet
 from lgmd2jax._pictures import Picture
 from lgmd2jax._trace import Row
 from lgmd2jax._video import Frame
@@ -23,9 +23,9 @@ _TICKS = 90_000
 class Overlay:
     """Draws on frame after frame: the SMP of the last seconds in a band at the foot, and a red border in an alarm."""
 
-    def __init__(self, size: tuple[int, int], parameters: Parameters):
+    def __init__(self, size: tuple[int, int], parameters: ParameterSet):
         self._rows, self._cols = size
-        self._levels = float(parameters.T_sp), float(parameters.T_sp + parameters.sigma_sp)
+        self._levels = parameters.levels.spikes
         self._band = max(24, self._rows // 4)
         self._font = ImageFont.load_default(max(9, self._rows // 20))
         self._past: deque[Row] = deque()

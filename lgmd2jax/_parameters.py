@@ -1,9 +1,10 @@
 """The parameters of the network, by the paper's symbols, and all that is known of each."""
 
+import abc
 import dataclasses
 import difflib
 from collections.abc import Mapping
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import equinox as eqx
 import jax
@@ -69,7 +70,48 @@ def _symbol(
     return {"symbol": Symbol(meaning, unit, domain, bounds, source, scale)}
 
 
-class Parameters(eqx.Module):
+class Levels(NamedTuple):
+    """Where a curve crosses what: the SMP from which there are one, two.. spikes, the FFI that forbids them."""
+
+    spikes: tuple[float, ...]
+    ffi: float
+
+
+class ParameterSet(eqx.Module):
+    """Parameters of a network that declare themselves: one floating scalar each, so the whole is a pytree of leaves.
+
+    By the same symbols each has u, T_ffi, k and T_sp, and in `levels` what figures draw.
+
+    **Raises:** `ValueError` for a value outside its domain, when the value is concrete (not traced).
+    """
+
+    @property
+    @abc.abstractmethod
+    def levels(self) -> Levels:
+        """The thresholds of the cell, as figures draw them."""
+
+    def __check_init__(self):
+        for name in declared(type(self)):
+            shape = jnp.shape(getattr(self, name))
+            if shape != ():
+                kind = type(self).__name__
+                raise ValueError(
+                    f"{name} has shape {shape}; a parameter is a scalar: build a batch with "
+                    f"jax.vmap(lambda value: {kind}({name}=value))(values)"
+                )
+        check_domains(self)
+
+    def __repr__(self):
+        rows, width = [], max(map(len, declared(type(self))))
+        for name, symbol in declared(type(self)).items():
+            leaf = getattr(self, name)
+            value = f"{leaf:.6g}" if is_concrete(leaf) and np.ndim(leaf) == 0 else eqx.tree_pformat(leaf)
+            unit = "" if symbol.unit == "1" else symbol.unit
+            rows.append(f"  {name:{width}} = {value:<10} {unit:12} {symbol.meaning}")
+        return f"{type(self).__name__}(\n" + "\n".join(rows) + "\n)"
+
+
+class Parameters(ParameterSet):
     """The network's parameters by the paper's symbols: one floating scalar each, so the whole is a pytree of leaves.
 
     The defaults are Table I of the paper (point values where it gives a range). `symbols()` says what each means, in
@@ -179,29 +221,15 @@ class Parameters(eqx.Module):
         metadata=_symbol("spikes in N_ts + 1 frames that make an alarm (eq. 17)", "spikes", "(0, inf)", (1.0, 10.0)),
     )
 
-    def __check_init__(self):
-        for name in symbols():
-            shape = jnp.shape(getattr(self, name))
-            if shape != ():
-                raise ValueError(
-                    f"{name} has shape {shape}; a parameter is a scalar: build a batch with "
-                    f"jax.vmap(lambda value: Parameters({name}=value))(values)"
-                )
-        check_domains(self)
-
-    def __repr__(self):
-        rows = []
-        for name, symbol in symbols().items():
-            leaf = getattr(self, name)
-            value = f"{leaf:.6g}" if is_concrete(leaf) and np.ndim(leaf) == 0 else eqx.tree_pformat(leaf)
-            unit = "" if symbol.unit == "1" else symbol.unit
-            rows.append(f"  {name:8} = {value:<10} {unit:12} {symbol.meaning}")
-        return "Parameters(\n" + "\n".join(rows) + "\n)"
+    @property
+    def levels(self) -> Levels:
+        """The thresholds of the cell, as figures draw them."""
+        return Levels((float(self.T_sp), float(self.T_sp + self.sigma_sp)), float(self.T_ffi))
 
 
-def symbols() -> dict[str, Symbol]:
-    """What is known of each parameter, by name, in the order of the fields of `Parameters`."""
-    return declared(Parameters)
+def symbols(kind: type[ParameterSet] = Parameters) -> dict[str, Symbol]:
+    """What is known of each parameter, by name, in the order of the fields: of the LGMD2, or of another network's."""
+    return declared(kind)
 
 
 def declared(kind: type[eqx.Module]) -> dict[str, Symbol]:

@@ -56,13 +56,13 @@ Record = Callable[[Layers], Any]
 
 
 def scan_pixels(model, frames, interval, record: Record | None) -> tuple[Array, Array, Any]:
-    """MP(t), F(t) and what was recorded, over a clip."""
+    """MP(t), F(t) and what was recorded, over a clip, of any `Network`."""
 
     def step(state, frame):
-        state, (mp, f, layers) = pixel_step(model, state, frame, interval)
+        state, (mp, f, layers) = model._pixel_step(state, frame, interval)
         return state, (mp, f, None if record is None else record(layers))
 
-    return jax.lax.scan(step, PixelState.rest(frames[0], model.n_p), frames)[1]
+    return jax.lax.scan(step, model._pixels_at_rest(frames[0]), frames)[1]
 
 
 def pixel_step(model, state: PixelState, frame: Map, interval) -> tuple[PixelState, tuple[Scalar, Scalar, Layers]]:

@@ -54,7 +54,9 @@ def test_round_trip(path):
 def test_soft_models_are_handed_over_hard(path, tmp_path, untyped):
     """And an eye of 50 frames per second equals one of 50.0."""
     eye = lgmd.Eye(rows=7, cols=9, degrees_per_pixel=2, fps=50)
-    lgmd.save(lgmd.LGMD2(MODEL.parameters, lgmd.Soft(), 1, "exact", 3, eye), tmp_path / "soft.json")
+    lgmd.save(
+        lgmd.LGMD2(MODEL.parameters, lgmd.Soft(), n_p=1, low_pass="exact", N_ts=3, eye=eye), tmp_path / "soft.json"
+    )
     assert (tmp_path / "soft.json").read_bytes() == path.read_bytes()
 
 

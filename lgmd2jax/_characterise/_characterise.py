@@ -7,7 +7,7 @@ import equinox as eqx
 import numpy as np
 from jaxtyping import Array, Key
 
-from lgmd2jax._ablation import ablate
+from lgmd2jax._ablation import ablate, mechanisms_of
 from lgmd2jax._characterise._curves import curves_of
 from lgmd2jax._characterise._exam import Exam, Sums, exam_of, sums
 from lgmd2jax._characterise._measured import Measured, measured, result_of
@@ -15,13 +15,17 @@ from lgmd2jax._characterise._result import Characterisation, JudgedAs
 from lgmd2jax._characterise._selectivity import Estimate, intervals
 from lgmd2jax._eye import Eye
 from lgmd2jax._model import LGMD2
+from lgmd2jax._network import Network
+from lgmd2jax._parameters import symbols
 from lgmd2jax.fitting import Fit
 
 _SLOWEST, _COARSEST, _NARROWEST = 10.0, 10.0, 40.0  # fps, degrees a pixel, degrees of field
 _FINE = 1.0  # degrees a pixel
 
 
-def characterise(model: LGMD2 | Fit, *, key: Key[Array, ""] | None = None, progress: bool = False) -> Characterisation:
+def characterise(
+    model: Network | Fit, *, key: Key[Array, ""] | None = None, progress: bool = False
+) -> Characterisation:
     """The 22 response properties of a looming-sensitive neuron, measured on a model with its own eye.
 
     The stimuli are rendered once for an eye and kept; another model of the same structure and eye compiles nothing.
@@ -49,17 +53,20 @@ def characterise(model: LGMD2 | Fit, *, key: Key[Array, ""] | None = None, progr
     return dataclasses.replace(found, selectivity=known)
 
 
-def ablations(model: LGMD2, *, progress: bool = False) -> dict[str, Characterisation]:
+def ablations(model: Network, *, progress: bool = False) -> dict[str, Characterisation]:
     """The exam on the model as it is and without FFI, SFA, lateral inhibition, ON pathway, each judged as the whole is.
+
+    What a model does not have is not taken out: the LGMD1 of Yue & Rind has neither SFA nor pathways.
 
     **Raises:** `ValueError` as for `characterise`.
     """
     exam, neuron = exam_of(_usable(model)), _neuron(model)
-    variants = {"intact": model} | {f"without {it}": ablate(model, it) for it in ("ffi", "sfa", "lateral", "on")}
+    out = [it for it in ("ffi", "sfa", "lateral", "on") if it in mechanisms_of(model)]
+    variants = {"intact": model} | {f"without {it}": ablate(model, it) for it in out}
     return {name: _found(it, exam, neuron, progress) for name, it in variants.items()}
 
 
-def rasters(model: LGMD2, *, finer: bool = True, progress: bool = False) -> dict[str, Characterisation]:
+def rasters(model: Network, *, finer: bool = True, progress: bool = False) -> dict[str, Characterisation]:
     """The exam as it is, with all objects moved by half a pixel, and by an eye of 1 degree a pixel and the same field.
 
     What fills the field, gratings and changes of light, is not moved. A finer eye takes the square as long.
@@ -95,25 +102,27 @@ def differences(found: Mapping[str, Characterisation]) -> list[str]:
     return said
 
 
-def _found(model: LGMD2, exam: Exam, neuron: JudgedAs, progress: bool) -> Characterisation:
+def _found(model: Network, exam: Exam, neuron: JudgedAs, progress: bool) -> Characterisation:
     return result_of(exam, neuron, _examined(exam, sums(exam, model, progress), model))
 
 
 @eqx.filter_jit
-def _examined(exam: Exam, sums: Sums, model: LGMD2) -> Measured:
+def _examined(exam: Exam, sums: Sums, model: Network) -> Measured:
     return measured(curves_of(exam, sums, model))
 
 
-def _neuron(model: LGMD2) -> JudgedAs:
+def _neuron(model: Network) -> JudgedAs:
     """By the weights of the pathways: a circuit whose ON pathway counts is meant to answer light objects."""
-    theta1, theta2 = model.parameters.theta1, model.parameters.theta2
-    if np.shape(theta1):
-        raise ValueError(f"theta1 has shape {np.shape(theta1)}; give one model, and loop over a batch")
-    return "LGMD1" if float(theta1) >= float(theta2) / 2 else "LGMD2"
-
-
-def _usable(model: LGMD2) -> Eye:
+    for name in symbols(type(model.parameters)):
+        if shape := np.shape(getattr(model.parameters, name)):
+            raise ValueError(f"{name} has shape {shape}; give one model, and loop over a batch")
     if not isinstance(model, LGMD2):
+        return "LGMD1"
+    return "LGMD1" if float(model.parameters.theta1) >= float(model.parameters.theta2) / 2 else "LGMD2"
+
+
+def _usable(model: Network) -> Eye:
+    if not isinstance(model, Network):
         raise ValueError(f"model is {model!r:.40}; give an LGMD2 or a Fit")
     eye = model.eye
     if eye is None:

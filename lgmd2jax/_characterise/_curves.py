@@ -14,7 +14,7 @@ from jaxtyping import Array, Bool, Float
 from lgmd2jax._characterise._exam import Exam, Sums, at_rate
 from lgmd2jax._characterise._extremes import largest
 from lgmd2jax._characterise._trials import REFERENCE, textured
-from lgmd2jax._model import LGMD2, channels
+from lgmd2jax._network import Network, channels
 
 _REST_MS = 200.0  # last part of the lead-in, whose mean is rest
 _WEAKEST = 0.05  # of SMP for the reference, of R for any other peak: what is smaller is no peak
@@ -86,7 +86,7 @@ class Curves(eqx.Module):
         )
 
 
-def curves_of(exam: Exam, sums: Sums, model: LGMD2) -> Curves:
+def curves_of(exam: Exam, sums: Sums, model: Network) -> Curves:
     """The cell stage. It maps over the cell's parameters: pixels are not looked at again."""
     smp, smp_adapted = [], []
     for group, (mp, f) in zip(exam.groups, sums, strict=True):

@@ -13,7 +13,7 @@ from tqdm import tqdm
 from lgmd2jax._characterise._trials import Trial, all_trials
 from lgmd2jax._eye import Eye
 from lgmd2jax._frame_rate import at_frame_rate
-from lgmd2jax._model import LGMD2, potentials
+from lgmd2jax._network import Network, potentials
 
 # MP and F of each group of trials: all that the cell sees.
 Sums = tuple[tuple[Float[Array, "_trial _time"], Float[Array, "_trial _time"]], ...]
@@ -66,7 +66,7 @@ def exam_of(eye: Eye, shift: float = 0.0) -> Exam:
     return Exam(eye, shift)
 
 
-def sums(exam: Exam, model: LGMD2, progress: bool = False) -> Sums:
+def sums(exam: Exam, model: Network, progress: bool = False) -> Sums:
     """MP(t) and F(t) of every trial: the pixel stage."""
     trials = [trial for group in exam.groups for trial in group]
     results = _each(exam, model, tqdm(trials, unit="stimulus", leave=False, disable=None if progress else True))
@@ -77,18 +77,18 @@ def sums(exam: Exam, model: LGMD2, progress: bool = False) -> Sums:
     return tuple(stacked)
 
 
-def _each(exam: Exam, model: LGMD2, trials: tqdm) -> Iterator[tuple[Array, Array]]:
+def _each(exam: Exam, model: Network, trials: tqdm) -> Iterator[tuple[Array, Array]]:
     for trial in trials:
         trials.set_description(trial.name)
         frames = jnp.asarray(exam.frames(trial))
         yield _potentials(at_rate(model, exam, trial.fps), frames, jnp.asarray(1000 / trial.fps, dtype=float))
 
 
-def at_rate(model: LGMD2, exam: Exam, fps: float) -> LGMD2:
+def at_rate(model: Network, exam: Exam, fps: float) -> Network:
     """The model for trials of a frame rate, the exam's or the finer one."""
     return model if fps == exam.eye.fps else at_frame_rate(dataclasses.replace(model, eye=exam.eye), fps)
 
 
 @eqx.filter_jit
-def _potentials(model: LGMD2, frames, interval) -> tuple[Array, Array]:
+def _potentials(model: Network, frames, interval) -> tuple[Array, Array]:
     return potentials(model, frames, interval)[:2]

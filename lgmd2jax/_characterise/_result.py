@@ -66,7 +66,7 @@ class Characterisation:
     """The 22 response properties of a model.
 
     - `eye`: that was shown them. `neuron`: what the model is judged as: `"LGMD2"`, or `"LGMD1"` where its ON pathway
-      weighs at least half as much as the OFF pathway.
+      weighs at least half as much as the OFF pathway, or where it has none.
     - `reference`, `reference_textured`: the peak above rest, in units of SMP, of the dark loom at 40 ms by which R is
       normalised; below .05 there is no R.
     - `rows`: a `Finding` each, in the order of their numbers.

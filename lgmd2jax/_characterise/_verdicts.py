@@ -7,7 +7,7 @@ from lgmd2jax._characterise import _rows_field, _rows_looming, _rows_selectivity
 from lgmd2jax._characterise._curves import Curves, curves_of
 from lgmd2jax._characterise._exam import Exam, Sums
 from lgmd2jax._characterise._row import Row
-from lgmd2jax._model import LGMD2
+from lgmd2jax._network import Network
 
 _MODULES = (_rows_looming, _rows_selectivity, _rows_field)
 ROWS: tuple[Row, ...] = tuple(
@@ -17,7 +17,7 @@ ROWS: tuple[Row, ...] = tuple(
 Values = tuple[Float[Array, " _line"], ...]
 
 
-def verdicts(exam: Exam, sums: Sums, model: LGMD2) -> tuple[Values, Bool[Array, " row"]]:
+def verdicts(exam: Exam, sums: Sums, model: Network) -> tuple[Values, Bool[Array, " row"]]:
     """The values of each row's lines, and which rows hold, whatever the eye undersamples.
 
     It maps over models: `jax.vmap(lambda model: verdicts(exam, sums, model), in_axes=...)` over cell parameters costs

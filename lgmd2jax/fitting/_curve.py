@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from lgmd2jax._model import LGMD2
+from lgmd2jax._network import Network
 from lgmd2jax._observation import Observation
 from lgmd2jax._target import Channel, Target
 from lgmd2jax.stimuli import Stimulus
@@ -60,7 +60,7 @@ class Curve:
         return self.r2() >= 0.5 or self.rmse() <= 0.1 * self.span
 
 
-def observed(model: LGMD2, observation: Observation, stimulus: Stimulus, channel: Channel) -> np.ndarray:
+def observed(model: Network, observation: Observation, stimulus: Stimulus, channel: Channel) -> np.ndarray:
     """A channel of the response to a stimulus; `"rate"` is seen through the observation."""
     response = model(stimulus.frames, stimulus.fps)
     if channel == "rate":

@@ -10,7 +10,7 @@ import jax
 import numpy as np
 from jaxtyping import Array
 
-from lgmd2jax._model import LGMD2
+from lgmd2jax._network import Network
 from lgmd2jax._observation import Observation, observation_symbols
 from lgmd2jax._parameters import nearest
 from lgmd2jax._target import Target
@@ -36,7 +36,7 @@ _APART = 0.02  # in the unit box; starts closer to a better one are not descende
 
 
 def fit(
-    model: LGMD2,
+    model: Network,
     conditions: Sequence[Given],
     free: Free,
     *,
@@ -84,7 +84,7 @@ def fit(
     **Raises:** `ValueError` for conditions without targets, for a start outside of its bounds, for more free parameters
     than independent samples, for a prior beside targets without errors, and for settings that make no sense.
     """
-    pairs, observation = rendered(conditions), observation or Observation()
+    pairs, observation, free = rendered(conditions), observation or Observation(), free.of(type(model.parameters))
     temperatures = _temperatures(model, temperatures)
     counts = {"pixel_points": pixel_points, "cell_points": cell_points, "descend": descend, "max_steps": max_steps}
     _check(pairs, free, loss, counts)
@@ -152,7 +152,7 @@ def fit(
     )
 
 
-def _temperatures(model: LGMD2, temperatures) -> tuple[float, ...]:
+def _temperatures(model: Network, temperatures) -> tuple[float, ...]:
     if temperatures is None:
         own = model.thresholds
         temperatures = [own.temperature] if isinstance(own, Soft | StraightThrough) else TEMPERATURES

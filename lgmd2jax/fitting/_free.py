@@ -3,7 +3,7 @@
 import dataclasses
 import math
 from collections.abc import Mapping
-from typing import Literal
+from typing import Any, Literal, TypeVar
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -11,7 +11,8 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from lgmd2jax._observation import Observation, observation_symbols
-from lgmd2jax._parameters import Parameters, Symbol, nearest, symbols
+from lgmd2jax._parameters import Parameters, ParameterSet, Symbol, nearest, symbols
+from lgmd2jax._yue_rind import YueRindParameters
 
 
 @dataclasses.dataclass(frozen=True)
@@ -35,6 +36,8 @@ class Log(_Range):
     """Bounds between which a fit measures factors: `Log(5, 50)`. Both bounds are positive."""
 
 
+P = TypeVar("P", bound=ParameterSet)
+_KINDS = (Parameters, YueRindParameters)
 RANGES = {"linear": Linear, "log": Log}
 
 
@@ -82,25 +85,42 @@ class Free:
     ```
 
     A pair gives bounds, None takes those declared with the parameter (`symbols()`), and whether differences or factors
-    count is declared there too; `Linear` and `Log` say it, and may carry a prior. What is not named stays fixed.
+    count is declared there too; `Linear` and `Log` say it, and may carry a prior. What is not named stays fixed. Names
+    that both networks have are taken to be the LGMD2's, until a fit of the other asks for its own (`of`).
 
     **Raises:** `ValueError` for unknown parameters, for none that is free, for bounds that are empty or leave the
     domain, for priors without width, and for ties to what is tied itself.
     """
 
     def __init__(self, **choices: "tuple[float | int, float | int] | _Range | Tie | None"):
+        known = (kind for kind in _KINDS if choices.keys() <= _symbols(kind).keys())
+        self._resolve(choices, next(known, Parameters))
+
+    def _resolve(self, choices, kind: type[ParameterSet]) -> None:
+        self._choices, self._kind = choices, kind
         for name in choices:
-            _check_name(name, "free parameter")
+            _check_name(name, "free parameter", kind)
         self.ties: Mapping[str, Tie] = {name: it for name, it in choices.items() if isinstance(it, Tie)}
         for name, tie in self.ties.items():
-            _check_name(tie.to, f"{name} is tied to a parameter that")
+            _check_name(tie.to, f"{name} is tied to a parameter that", kind)
             if tie.to in self.ties or tie.to == name:
                 raise ValueError(f"{name} is tied to {tie.to}, which is tied itself; tie both to one that is not")
         self.freedoms: tuple[Freedom, ...] = tuple(
-            _freedom(name, it) for name, it in choices.items() if not isinstance(it, Tie)
+            _freedom(name, it, _symbols(kind)[name]) for name, it in choices.items() if not isinstance(it, Tie)
         )
         if not self.freedoms:
             raise ValueError("free is empty; name at least one parameter")
+
+    def of(self, kind: type[ParameterSet]) -> "Free":
+        """The same choices for the parameters of a network, with the bounds that these declare.
+
+        **Raises:** `ValueError` for a name that they do not have, and as the class itself.
+        """
+        if kind is self._kind:
+            return self
+        free = Free.__new__(Free)
+        free._resolve(self._choices, kind)
+        return free
 
     def __len__(self):
         return len(self.freedoms)
@@ -139,24 +159,25 @@ class Free:
         return np.array([it.slope(float(z[i])) for i, it in enumerate(self.freedoms)])
 
     def insert(
-        self, parameters: Parameters, observation: Observation, z: Float[Array | np.ndarray, " free"]
-    ) -> tuple[Parameters, Observation]:
+        self, parameters: P, observation: Observation, z: Float[Array | np.ndarray, " free"]
+    ) -> tuple[P, Observation]:
         """Both with their free parameters at z, a point of the unit box, and tied ones following."""
         values = self.values(z)
         for name, tie in self.ties.items():
             if name not in values:
-                owner = parameters if tie.to in symbols() else observation
+                owner = observation if tie.to in observation_symbols() else parameters
                 values[name] = tie.factor * jnp.asarray(getattr(owner, tie.to))
-        return _replaced(parameters, values, symbols()), _replaced(observation, values, observation_symbols())
+        parameters = _replaced(parameters, values, symbols(type(parameters)))
+        return parameters, _replaced(observation, values, observation_symbols())
 
-    def place(self, parameters: Parameters, observation: Observation) -> Float[np.ndarray, " free"]:
+    def place(self, parameters: ParameterSet, observation: Observation) -> Float[np.ndarray, " free"]:
         """The point of the unit box at which the free parameters have the values that they have here.
 
         **Raises:** `ValueError` for a value outside of its bounds.
         """
         point = []
         for it in self.freedoms:
-            value = float(getattr(parameters if it.name in symbols() else observation, it.name))
+            value = float(getattr(observation if it.name in observation_symbols() else parameters, it.name))
             if not it.low <= value <= it.high:
                 raise ValueError(
                     f"{it.name} starts at {value:g}, outside of its bounds {it.low:g} to {it.high:g}; "
@@ -171,7 +192,7 @@ class Free:
         return jnp.stack(rows) if rows else jnp.zeros(0)
 
 
-def _replaced(owner, values: Mapping[str, Array], known):
+def _replaced(owner: Any, values: Mapping[str, Array], known) -> Any:
     names = [name for name in values if name in known]
     if not names:
         return owner
@@ -180,14 +201,17 @@ def _replaced(owner, values: Mapping[str, Array], known):
     return eqx.tree_at(lambda tree: [getattr(tree, name) for name in names], owner, leaves)
 
 
-def _check_name(name: str, role: str) -> None:
-    known = [*symbols(), *observation_symbols()]
+def _symbols(kind: type[ParameterSet]) -> dict[str, Symbol]:
+    return symbols(kind) | observation_symbols()
+
+
+def _check_name(name: str, role: str, kind: type[ParameterSet]) -> None:
+    known = _symbols(kind)
     if name not in known:
         raise ValueError(f"{role} is {name!r}; choose {nearest(name, known)}")
 
 
-def _freedom(name: str, choice) -> Freedom:
-    symbol = (symbols() | observation_symbols())[name]
+def _freedom(name: str, choice, symbol: Symbol) -> Freedom:
     if choice is None:
         choice = _Range()
     elif not isinstance(choice, _Range):

@@ -12,7 +12,7 @@ import numpy as np
 from jax.tree_util import Partial
 from jaxtyping import Array, Bool, Float
 
-from lgmd2jax._model import LGMD2, channels, potentials
+from lgmd2jax._network import Network, channels, potentials
 from lgmd2jax._observation import Observation
 from lgmd2jax._target import Target
 from lgmd2jax._thresholds import Hard, Soft, Thresholds
@@ -20,8 +20,6 @@ from lgmd2jax.fitting._free import Free
 from lgmd2jax.fitting._robust import Loss, robust
 from lgmd2jax.stimuli import Stimulus
 
-# What the pixels need; every other parameter acts on MP(t) and F(t), which then need not be computed again.
-PIXEL_PARAMETERS = ("theta1", "theta2", "theta3", "tau1", "w_bias", "sigma1", "T_s", "u")
 # Far beyond any kernel: no smoothing reaches from a frame that a clip has into one that only fills up its batch.
 _FAR_MS = 1e6
 
@@ -66,7 +64,7 @@ class Problem(eqx.Module):
     thresholds; a number softens them.
     """
 
-    model: LGMD2
+    model: Network
     observation: Observation
     batches: tuple[Batch, ...]
     places: tuple[tuple[Place, ...], ...] = eqx.field(static=True)
@@ -76,7 +74,7 @@ class Problem(eqx.Module):
     @property
     def pixel_indices(self) -> tuple[int, ...]:
         """The free parameters that the pixels need."""
-        return self.free.indices(*PIXEL_PARAMETERS)
+        return self.free.indices(*self.model.pixel_parameters)
 
     @property
     def cell_indices(self) -> tuple[int, ...]:
@@ -85,13 +83,13 @@ class Problem(eqx.Module):
 
     def at(
         self, z: Float[Array | np.ndarray, " free"], temperature: Float[Array, ""] | None = None
-    ) -> tuple[LGMD2, Observation]:
+    ) -> tuple[Network, Observation]:
         """The model and the observation at a point."""
         parameters, observation = self.free.insert(self.model.parameters, self.observation, z)
         thresholds = self.model.thresholds if temperature is None else softened(self.model.thresholds, temperature)
         return dataclasses.replace(self.model, parameters=parameters, thresholds=thresholds), observation
 
-    def potentials(self, model: LGMD2) -> Potentials:
+    def potentials(self, model: Network) -> Potentials:
         """MP and F of every condition: all that the cell sees."""
 
         def one(batch: Batch):
@@ -99,7 +97,7 @@ class Problem(eqx.Module):
 
         return tuple(one(batch) for batch in self.batches)
 
-    def curves(self, model: LGMD2, observation: Observation, seen: Potentials) -> Curves:
+    def curves(self, model: Network, observation: Observation, seen: Potentials) -> Curves:
         """The predicted curve of every slot of every batch."""
         curves = []
         for batch, (mp, f) in zip(self.batches, seen, strict=True):
@@ -179,7 +177,7 @@ def softened(thresholds: Thresholds, temperature: Float[Array, ""]) -> Threshold
 
 
 def problem_of(
-    model: LGMD2,
+    model: Network,
     observation: Observation,
     free: Free,
     conditions: Sequence[tuple[Stimulus, Sequence[Target]]],

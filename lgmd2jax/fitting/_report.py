@@ -138,10 +138,10 @@ def _unit(unit: str) -> str:
 
 def _given(fit: "Fit") -> Section:
     """What follows a free parameter, and the observation where it stays fixed."""
-    rows = []
+    rows, known = [], symbols(type(fit.parameters))
     for name, tie in fit.free.ties.items():
         owner, symbol = (
-            (fit.parameters, symbols()[name]) if name in symbols() else (fit.observation, observation_symbols()[name])
+            (fit.parameters, known[name]) if name in known else (fit.observation, observation_symbols()[name])
         )
         follows = tie.to if tie.factor == 1 else f"{tie.factor:g} {tie.to}"
         rows.append((name, plain(float(getattr(owner, name))), _unit(symbol.unit), f"tied: {name} = {follows}"))

@@ -9,9 +9,9 @@ import numpy as np
 from jaxtyping import Array, Float
 from scipy import stats
 
-from lgmd2jax._model import LGMD2
-from lgmd2jax._observation import Observation
-from lgmd2jax._parameters import Parameters, symbols
+from lgmd2jax._network import Network
+from lgmd2jax._observation import Observation, observation_symbols
+from lgmd2jax._parameters import ParameterSet
 from lgmd2jax._protocol import Condition
 from lgmd2jax._target import Channel, Target
 from lgmd2jax._thresholds import Hard
@@ -47,7 +47,7 @@ class Fit:
     - `result`: `"converged"`, or why the best descent stopped. `stats`: counts of what was done.
     """
 
-    model: LGMD2
+    model: Network
     observation: Observation
     free: Free
     z: Float[np.ndarray, " free"]
@@ -66,7 +66,7 @@ class Fit:
     problem: Problem | None = None
 
     @property
-    def parameters(self) -> Parameters:
+    def parameters(self) -> Any:
         """The parameters of `model`."""
         return self.model.parameters
 
@@ -81,13 +81,13 @@ class Fit:
         return self.uncertainty.covariance
 
     @property
-    def soft(self) -> LGMD2:
+    def soft(self) -> Network:
         """The same parameters at the last temperature."""
         thresholds = softened(self.model.thresholds, jnp.asarray(self.temperatures[-1], dtype=float))
         return dataclasses.replace(self.model, thresholds=thresholds)
 
     @property
-    def hard(self) -> LGMD2:
+    def hard(self) -> Network:
         """The same parameters with hard thresholds."""
         return dataclasses.replace(self.model, thresholds=Hard())
 
@@ -193,8 +193,8 @@ class Fit:
     def _repr_html_(self) -> str:
         return html(self, Extra())
 
-    def _owner(self, name: str) -> Parameters | Observation:
-        return self.model.parameters if name in symbols() else self.observation
+    def _owner(self, name: str) -> ParameterSet | Observation:
+        return self.observation if name in observation_symbols() else self.model.parameters
 
     def _residuals(self, what: str) -> Callable[[Float[Array, " free"]], Float[Array, " n"]]:
         if self.problem is None:
