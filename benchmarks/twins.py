@@ -11,7 +11,6 @@ import time
 from typing import Any, Literal
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool
 from tqdm import tqdm
@@ -21,8 +20,6 @@ import lgmd2jax as lgmd
 FREE = lgmd.Free(
     theta1=None, theta2=None, theta3=None, tau1=None, tau2=None, tau3=None, w_bias=None, T_sp=None
 )  # fmt: skip
-# An ON pathway below the gate leaves no trace, and above it a large one: what the others' errors are, hangs on it.
-WITHOUT_ON = lgmd.Free(theta2=None, theta3=None, tau1=None, tau2=None, tau3=None, w_bias=None, T_sp=None)
 SEARCH: dict[str, Any] = {"pixel_points": 32, "cell_points": 512, "descend": 2}  # enough for a soft set
 PRECISE = 0.1  # of a parameter's range, below which its standard error must lie to be called well determined
 MIDDLE = 0.7  # of each parameter's bounds, from which truths are drawn
@@ -125,13 +122,12 @@ def twin(seed: int, thresholds: lgmd.Thresholds, shown: list[lgmd.Stimulus], **s
 def covered(
     seed: int, noise: float, shown: list[lgmd.Stimulus], **settings
 ) -> tuple[Bool[np.ndarray, " free"], Bool[np.ndarray, " free"]]:
-    """Fit the curves of a random soft set without an ON pathway, with noise on the potential and on the spikes.
+    """Fit the curves of a random soft set, with noise on the potential and on the spikes.
 
     **Returns:** by parameter, whether its 95 % interval holds the truth, and whether the fit calls it well determined:
     neither undetermined nor rough, within a tenth of its range.
     """
-    truth = dataclasses.replace(truth_of(seed), theta1=jnp.zeros(()))
-    thresholds, rng = lgmd.Soft(1.0), np.random.default_rng(seed)
+    truth, thresholds, rng = truth_of(seed), lgmd.Soft(1.0), np.random.default_rng(seed)
 
     def noisy(channel: Literal["smp_adapted", "spikes"], curve, error: float) -> lgmd.Target:
         return lgmd.Target(channel, np.asarray(curve) + error * rng.standard_normal(len(curve)), error=error)
@@ -146,10 +142,10 @@ def covered(
         )
         for stimulus, response in zip(shown, curves(lgmd.LGMD2(truth, thresholds), shown), strict=True)
     ]
-    fit = lgmd.fit(lgmd.LGMD2(thresholds=thresholds), conditions, WITHOUT_ON, key=jax.random.key(seed), **settings)
-    u, values = fit.uncertainty, np.array([float(getattr(truth, name)) for name in WITHOUT_ON.names])
+    fit = lgmd.fit(lgmd.LGMD2(thresholds=thresholds), conditions, FREE, key=jax.random.key(seed), **settings)
+    u, values = fit.uncertainty, np.array([float(getattr(truth, name)) for name in FREE.names])
     straight = np.array([name not in fit.curved for name in u.names])
-    within = u.standard_errors < PRECISE * np.array([it.high - it.low for it in WITHOUT_ON.freedoms])
+    within = u.standard_errors < PRECISE * np.array([it.high - it.low for it in FREE.freedoms])
     return (u.intervals[:, 0] <= values) & (values <= u.intervals[:, 1]), u.determined & straight & within
 
 
@@ -167,7 +163,7 @@ def main() -> None:
     seeds = tqdm(range(options.first, options.first + options.count), unit="twin")
     if options.noise:
         held, known = np.moveaxis(np.array([covered(seed, options.noise, shown, **SEARCH) for seed in seeds]), 1, 0)
-        for name, holds, judged in zip(WITHOUT_ON.names, held.T, known.T, strict=True):
+        for name, holds, judged in zip(FREE.names, held.T, known.T, strict=True):
             share, count = holds[judged].mean(), judged.sum()
             print(f"{name:8} covered {share:6.1%} of {count:3} well determined, {holds.mean():6.1%} of all")
         return

