@@ -6,7 +6,6 @@ area, finite everywhere, also for a shape of size zero, off screen, or larger th
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 from jaxtyping import Array, Float
 
 Scalar = Float[Array, ""]
@@ -47,20 +46,24 @@ def _disc(x: Float[Array, " edge_x"], y: Float[Array, " edge_y"], radius: Scalar
     above = _height(jnp.abs(y), radius)[:, None]
     cap = _past(_primitive, x, y, radius)
     x, y = x[None, :], y[:, None]
-    part = y * jnp.clip(x, -above, above) + jnp.sign(y) * jnp.sign(x) * cap
-    return jnp.clip(_cells(part), 0, 1)
+    part = y * _across(jnp.clip(x, -above, above)) + jnp.sign(y) * _across(jnp.sign(x) * cap)
+    return jnp.clip(_down(part), 0, 1)
 
 
-_CORNERS = np.array([[-1.0, 1.0], [1.0, -1.0]])
+def _across(values: Float[Array, "edge_y edge_x"]) -> Float[Array, "edge_y col"]:
+    """How much it grows from the left edge of a column to the right one."""
+    return _convolve(values, [[-1, 1]])
 
 
-def _cells(primitive: Float[Array, "edge_y edge_x"]) -> Map:
-    """The double difference of a primitive: in each cell of the grid, what it is over its four corners.
+def _down(values: Float[Array, "edge_y col"]) -> Map:
+    """How much it grows from the lower edge of a row to the upper one."""
+    return _convolve(values, [[1], [-1]])
 
-    One convolution: XLA computes the primitive once then, where differences of slices would compute it four times.
-    """
-    kernel = jnp.asarray(_CORNERS, primitive.dtype)[None, None]
-    return jax.lax.conv(primitive[None, None], kernel, (1, 1), "VALID", precision=jax.lax.Precision.HIGHEST)[0, 0]
+
+def _convolve(values: Float[Array, "height width"], kernel: list[list[int]]) -> Float[Array, "_height _width"]:
+    """A difference as a convolution, for which XLA computes the values once; for slices of them, once for each."""
+    weights = jnp.array(kernel, values.dtype)[None, None]
+    return jax.lax.conv(values[None, None], weights, (1, 1), "VALID", precision=jax.lax.Precision.HIGHEST)[0, 0]
 
 
 @_disc.defjvp
@@ -85,7 +88,7 @@ def _arc(x: Float[Array, " edge_x"], y: Float[Array, " edge_y"], radius: Scalar)
     """Length of the rim in each cell."""
     arc = radius * _past(_angle, x, y, radius)
     x, y = x[None, :], y[:, None]
-    return _cells(jnp.sign(y) * jnp.sign(x) * arc)
+    return _down(jnp.sign(y) * _across(jnp.sign(x) * arc))
 
 
 def _past(
