@@ -115,7 +115,8 @@ def _compute(setup: Setup, points: Mapping[str, np.ndarray | Array], channels: t
 
     if jax.local_device_count() == 1:
         return one_device(arrays, points)
-    mesh = jax.make_mesh((jax.local_device_count(),), ("devices",), devices=jax.local_devices())
+    devices = jax.local_devices()
+    mesh = jax.make_mesh((len(devices),), ("devices",), axis_types=(jax.sharding.AxisType.Auto,), devices=devices)
     split = jax.P("devices")
     spread = jax.shard_map(one_device, mesh=mesh, in_specs=(jax.P(), split), out_specs=split, check_vma=False)
     return spread(arrays, points)

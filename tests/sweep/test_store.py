@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import xarray
 import zarr
 
 import lgmd2jax as lgmd
@@ -22,7 +23,8 @@ AXES: dict[str, Any] = {
 }
 
 SCRIPT = """
-import sys, lgmd2jax as lgmd
+import sys, jax, lgmd2jax as lgmd
+jax.config.update("jax_disable_most_optimizations", True)
 eye = lgmd.Eye(rows=30, cols=40, degrees_per_pixel=2.0, fps=50.0)
 axes = {"contrast": [-0.9 + 0.02 * i for i in range(40)], "l_over_v": [10.0 + i for i in range(20)]}
 lgmd.sweep(lgmd.LGMD2(), lgmd.stimuli.looming, eye, **axes, start_ms=-900.0, end_ms=90.0, store=sys.argv[1], block=20)
@@ -30,7 +32,7 @@ lgmd.sweep(lgmd.LGMD2(), lgmd.stimuli.looming, eye, **axes, start_ms=-900.0, end
 
 
 def finished(path):
-    return int(zarr.open_group(path, mode="r")["finished/blocks"][:].sum()) if path.is_dir() else 0
+    return np.asarray(zarr.open_array(path, path="finished/blocks", mode="r")[:]).sum() if path.is_dir() else 0
 
 
 def test_a_store_holds_what_memory_holds(eye, tmp_path):
@@ -122,7 +124,7 @@ def test_a_killed_sweep_goes_on_and_is_the_same_to_the_bit(tmp_path):
     assert 3 <= finished(killed) < 40
     assert start(killed).wait(timeout=120) == 0
     assert uninterrupted.wait(timeout=120) == 0
-    one, other = (zarr.open_group(path, mode="r") for path in (whole, killed))
-    for name in ("peak", "peak_time", "spike_count", "first_alarm", "integral"):
-        assert np.asarray(one[name][:]).tobytes() == np.asarray(other[name][:]).tobytes(), name
-    assert np.ptp(one["peak"][:]) > 0.1
+    one, other = (xarray.open_zarr(path, chunks=None, consolidated=False).load() for path in (whole, killed))
+    for name in one.data_vars:
+        assert one[name].values.tobytes() == other[name].values.tobytes(), name
+    assert np.ptp(one.peak.values) > 0.1

@@ -92,8 +92,8 @@ def test_one_window_covers_the_whole_grid(eye):
 def test_the_gradient_of_a_summary_over_the_grid(eye):
     def mean(name, theta2):
         model = lgmd.LGMD2(lgmd.Parameters(theta2=theta2, k=20.0, T_ffi=50.0), lgmd.Soft())
-        shown = WINDOW | {"contrast": CONTRASTS, "l_over_v": SPEEDS}
-        return lgmd.surfaces(model, lgmd.stimuli.looming, eye, **shown)[name].mean()
+        axes: dict[str, Any] = WINDOW | {"contrast": CONTRASTS, "l_over_v": SPEEDS}
+        return lgmd.surfaces(model, lgmd.stimuli.looming, eye, **axes)[name].mean()
 
     for name in ("peak", "integral"):
         slope = jax.grad(lambda value, name=name: mean(name, value))(2.0)
