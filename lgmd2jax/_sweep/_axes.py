@@ -48,8 +48,9 @@ class Setup(eqx.Module):
     fixed: dict[str, Any]
 
     def render(self, point: Mapping[str, Array]) -> Stimulus:
-        """The stimulus at a point."""
-        return self.renderer(self.eye, **self.fixed, **self._part(point, "stimulus"))
+        """The stimulus at a point; what does not hang on the point, such as times, is computed at once."""
+        with jax.ensure_compile_time_eval():
+            return self.renderer(self.eye, **self.fixed, **self._part(point, "stimulus"))
 
     def model_at(self, point: Mapping[str, Array]) -> LGMD2:
         """The model at a point, with the parameters of that point."""

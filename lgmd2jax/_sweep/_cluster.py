@@ -47,6 +47,11 @@ def spread(
 
 def _work(number: int, packed: bytes, wide: bool, path: str | None) -> Results | None:
     """A block, on a worker."""
+    from distributed import get_worker
+
+    # Read by XLA when it starts, with the first array: no more threads than the worker has, else workers of one machine
+    # take each other's cores away.
+    os.environ.setdefault("NPROC", str(get_worker().state.nthreads))
     with jax.enable_x64(wide):
         plan, store = _unpacked(packed, path)
         found = plan.compute(number)
