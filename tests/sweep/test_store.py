@@ -25,9 +25,9 @@ AXES: dict[str, Any] = {
 SCRIPT = """
 import sys, jax, lgmd2jax as lgmd
 jax.config.update("jax_disable_most_optimizations", True)
-eye = lgmd.Eye(rows=30, cols=40, degrees_per_pixel=2.0, fps=50.0)
-axes = {"contrast": [-0.9 + 0.02 * i for i in range(40)], "l_over_v": [10.0 + i for i in range(20)]}
-lgmd.sweep(lgmd.LGMD2(), lgmd.stimuli.looming, eye, **axes, start_ms=-900.0, end_ms=90.0, store=sys.argv[1], block=20)
+eye = lgmd.Eye(rows=24, cols=32, degrees_per_pixel=3.0, fps=50.0)
+axes = {"contrast": [-0.9 + 0.04 * i for i in range(20)], "l_over_v": [10.0 + i for i in range(10)]}
+lgmd.sweep(lgmd.LGMD2(), lgmd.stimuli.looming, eye, **axes, start_ms=-900.0, end_ms=90.0, store=sys.argv[1], block=10)
 """
 
 
@@ -121,10 +121,10 @@ def test_a_killed_sweep_goes_on_and_is_the_same_to_the_bit(tmp_path):
         time.sleep(0.02)
     process.send_signal(signal.SIGKILL)
     assert process.wait() == -signal.SIGKILL
-    assert 3 <= finished(killed) < 40
+    assert 3 <= finished(killed) < 20
     assert start(killed).wait(timeout=120) == 0
     assert uninterrupted.wait(timeout=120) == 0
     one, other = (xarray.open_zarr(path, chunks=None, consolidated=False).load() for path in (whole, killed))
     for name in one.data_vars:
         assert one[name].values.tobytes() == other[name].values.tobytes(), name
-    assert np.ptp(one.peak.values) > 0.1
+    assert np.ptp(one.peak.values) > 0.05
