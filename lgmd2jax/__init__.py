@@ -30,6 +30,7 @@ from lgmd2jax._recipe import Recipe as Recipe, load_recipe as load_recipe
 from lgmd2jax._rest import Onset as Onset, Rest as Rest
 from lgmd2jax._results import load_fit as load_fit, save_fit as save_fit
 from lgmd2jax._spike_trains import SpikeTrains as SpikeTrains, spike_rate as spike_rate
+from lgmd2jax._sweep import surfaces as surfaces, sweep as sweep
 from lgmd2jax._target import Target as Target
 from lgmd2jax._target_files import read_spike_trains as read_spike_trains, read_target as read_target
 from lgmd2jax._thresholds import (

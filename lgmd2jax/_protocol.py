@@ -139,7 +139,7 @@ def _condition(point: dict[str, Any], folder: Path) -> Condition:
     check_keys(point, [*known, *_CONDITION_KEYS])
     written = {key: value for key, value in point.items() if key in known}
     check_complete(written, FAMILIES[family])
-    eye = _eye(point["eye"], folder)
+    eye = eye_of(point["eye"], folder)
     values = {name: keyword.default for name, keyword in known.items()} | dataclasses.asdict(eye) | point
     return Condition(
         name=fill(point["name"], values),
@@ -168,7 +168,7 @@ def _targets(tables: list[dict[str, Any]], values: Mapping[str, Any], folder: Pa
     return tuple(targets)
 
 
-def _eye(table: dict[str, Any], folder: Path) -> Eye:
+def eye_of(table: dict[str, Any], folder: Path) -> Eye:
     if not table:
         raise ValueError("no eye; give the protocol an [eye] table, such as preset = 'locust'")
     check_keys(table, ["preset", *keywords(Eye)])

@@ -12,6 +12,7 @@ from lgmd2jax import (
     _command_predict,
     _command_respond,
     _command_stimuli,
+    _command_sweep,
 )
 
 
@@ -34,6 +35,7 @@ def main(arguments: list[str] | None = None) -> int:
         _command_fit,
         _command_predict,
         _command_characterise,
+        _command_sweep,
         _command_stimuli,
         _command_export,
     ):

@@ -18,8 +18,11 @@ PROGRAMS = [block for language, block in BLOCKS if language == "python"]
 COMMANDS = [line for language, block in BLOCKS if language == "sh" for line in block.splitlines() if "lgmd2jax" in line]
 
 
-# Whole fits take a minute or two; tests/fitting/test_fit.py and tests/test_command_fit.py make small ones.
-SLOW_PROGRAMS = [pytest.param(it, marks=pytest.mark.slow) if ".fit(" in it else it for it in PROGRAMS]
+# Whole fits take a minute or two; tests/fitting/test_fit.py and tests/test_command_fit.py make small ones. The workers
+# of a cluster start slowly; tests/sweep/test_devices.py has one for all its tests.
+SLOW_PROGRAMS = [
+    pytest.param(it, marks=pytest.mark.slow) if ".fit(" in it or "Client(" in it else it for it in PROGRAMS
+]
 
 
 @pytest.mark.parametrize("program", SLOW_PROGRAMS, ids=[f"program {i}" for i in range(len(PROGRAMS))])
@@ -47,5 +50,5 @@ def test_commands_run(command, tmp_path, monkeypatch, capsys):
 
 
 def test_there_is_something_to_test():
-    assert len(PROGRAMS) == 4
+    assert len(PROGRAMS) == 5
     assert len(COMMANDS) == 5

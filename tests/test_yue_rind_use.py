@@ -68,6 +68,7 @@ def test_another_frame_rate():
     assert (network.N_sp, network.eye and network.eye.fps) == (8, 60.0)
 
 
+@pytest.mark.slow
 def test_a_fit_recovers_its_parameters():
     eye = lgmd.Eye(rows=12, cols=16, degrees_per_pixel=6.0, fps=40.0)
     window: dict[str, Any] = {"start_ms": -600, "end_ms": 100}

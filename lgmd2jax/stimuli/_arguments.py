@@ -9,6 +9,7 @@ from jaxtyping import Array, Float, ScalarLike
 
 from lgmd2jax._eye import Eye
 from lgmd2jax._parameters import is_concrete, nearest
+from lgmd2jax.stimuli._probe import note_unit
 
 
 def number(
@@ -19,6 +20,7 @@ def number(
     **Raises:** `ValueError` for another shape, and for a concrete value outside of the range.
     """
     result = _scalar(name, value)
+    note_unit(name, unit)
     if is_concrete(result) and not (math.isfinite(result) and low <= float(result) <= high):
         span = f"in {low:g}..{high:g}" if np.isfinite(high) else "finite" if np.isinf(low) else f"of {low:g} or more"
         raise ValueError(f"{name} is {value} {unit}; give a number {span}")
@@ -31,6 +33,7 @@ def positive(name: str, value: ScalarLike | None, unit: str) -> Float[Array, ""]
     **Raises:** `ValueError` for another shape, and for a concrete value that is not positive or not finite.
     """
     result = _scalar(name, value)
+    note_unit(name, unit)
     if is_concrete(result) and not (math.isfinite(result) and float(result) > 0):
         raise ValueError(f"{name} is {value} {unit}; give a positive number")
     return result

@@ -43,11 +43,27 @@ def _disc(x: Float[Array, " edge_x"], y: Float[Array, " edge_y"], radius: Scalar
     Between two column edges, the part of the disc from the axis up to y is y times the length on which the rim lies
     above y, and the cap over the rest. Differences of these are well conditioned: inside of the disc caps are zero.
     """
+    above = _height(jnp.abs(y), radius)[:, None]
+    cap = _past(_primitive, x, y, radius)
     x, y = x[None, :], y[:, None]
-    above, corner = _rim(x, y, radius)
-    cap = _primitive(corner, radius) - _primitive(above, radius)
-    part = y * jnp.diff(jnp.clip(x, -above, above)) + jnp.sign(y) * jnp.diff(jnp.sign(x) * cap)
-    return jnp.clip(-jnp.diff(part, axis=0), 0, 1)
+    part = y * _across(jnp.clip(x, -above, above)) + jnp.sign(y) * _across(jnp.sign(x) * cap)
+    return jnp.clip(_down(part), 0, 1)
+
+
+def _across(values: Float[Array, "edge_y edge_x"]) -> Float[Array, "edge_y col"]:
+    """How much it grows from the left edge of a column to the right one."""
+    return _convolve(values, [[-1, 1]])
+
+
+def _down(values: Float[Array, "edge_y col"]) -> Map:
+    """How much it grows from the lower edge of a row to the upper one."""
+    return _convolve(values, [[1], [-1]])
+
+
+def _convolve(values: Float[Array, "height width"], kernel: list[list[int]]) -> Float[Array, "_height _width"]:
+    """A difference as a convolution, for which XLA computes the values once; for slices of them, once for each."""
+    weights = jnp.array(kernel, values.dtype)[None, None]
+    return jax.lax.conv(values[None, None], weights, (1, 1), "VALID", precision=jax.lax.Precision.HIGHEST)[0, 0]
 
 
 @_disc.defjvp
@@ -70,16 +86,21 @@ def _chord(
 
 def _arc(x: Float[Array, " edge_x"], y: Float[Array, " edge_y"], radius: Scalar) -> Map:
     """Length of the rim in each cell."""
+    arc = radius * _past(_angle, x, y, radius)
     x, y = x[None, :], y[:, None]
-    above, corner = _rim(x, y, radius)
-    arc = radius * (_angle(corner, radius) - _angle(above, radius))
-    return -jnp.diff(jnp.sign(y) * jnp.diff(jnp.sign(x) * arc), axis=0)
+    return _down(jnp.sign(y) * _across(jnp.sign(x) * arc))
 
 
-def _rim(x, y, radius):
-    """Where the rim passes height |y|, and |x| clipped to the rim's further course from there."""
-    above = _height(jnp.abs(y), radius)
-    return above, jnp.clip(jnp.abs(x), above, radius)
+def _past(
+    function, x: Float[Array, " edge_x"], y: Float[Array, " edge_y"], radius: Scalar
+) -> Float[Array, "edge_y edge_x"]:
+    """How much a function of the rim changes from where the rim passes height |y| to |x|; 0 where |x| is nearer.
+
+    Roots and angles are taken of edges, not of their grid: so the disc costs little more than a rectangle.
+    """
+    above, reach = _height(jnp.abs(y), radius), jnp.minimum(jnp.abs(x), radius)
+    change = function(reach, radius)[None, :] - function(above, radius)[:, None]
+    return jnp.where(reach[None, :] > above[:, None], change, 0)
 
 
 def _height(x, radius):

@@ -77,11 +77,13 @@ def _wave_per_px(eye: Eye, spatial_frequency: ScalarLike, cycles: ScalarLike | N
     return positive("spatial_frequency", spatial_frequency, "cycles per degree") / eye.pixels_per_degree
 
 
-def _sine(phase, wave):
-    return jnp.sin(2 * np.pi * phase)
+def _sine(place, wave):
+    """At a drift, by the sine of a difference: sine and cosine of the places are taken once for all frames."""
+    sine, cosine = jnp.sin(2 * np.pi * place), jnp.cos(2 * np.pi * place)
+    return lambda drift: sine * jnp.cos(2 * np.pi * drift) - cosine * jnp.sin(2 * np.pi * drift)
 
 
-def _square(phase, wave):
+def _square(place, wave):
     """Mean over a pixel's area: exact across the longer component of the wave, by Gauss' rule across the shorter."""
     steep, flat = jnp.max(jnp.abs(wave)), jnp.min(jnp.abs(wave))
 
@@ -90,8 +92,13 @@ def _square(phase, wave):
         return 0.5 - jnp.abs(jnp.mod(at, 1) - 0.5)
 
     nodes, weights = np.polynomial.legendre.leggauss(_NODES)
-    across = phase[:, :, None] + (flat * nodes / 2)[None, None, :]
-    return (primitive(across + steep / 2) - primitive(across - steep / 2)) @ (weights / 2) / steep
+    across = place[:, :, None] + (flat * nodes / 2)[None, None, :]
+
+    def at(drift):
+        phase = across - drift
+        return (primitive(phase + steep / 2) - primitive(phase - steep / 2)) @ (weights / 2) / steep
+
+    return at
 
 
 _WAVEFORMS = {"sine": _sine, "square": _square}
@@ -100,10 +107,10 @@ _WAVEFORMS = {"sine": _sine, "square": _square}
 @eqx.filter_jit
 def _stripes(eye: Eye, time, drift, wave, mean, contrast, waveform: str) -> Float[Array, "time row col"]:
     right, up = eye.pixel_centres()
-    place = wave[0] * right + wave[1] * up
+    stripes = _WAVEFORMS[waveform](wave[0] * right + wave[1] * up, wave)
 
     def frame(now):
         time, drift = now
-        return mean * (1 + contrast * jnp.where(time < 0, 0, _WAVEFORMS[waveform](place - drift, wave)))
+        return mean * (1 + contrast * jnp.where(time < 0, 0, stripes(drift)))
 
     return jax.lax.map(frame, (time, drift))

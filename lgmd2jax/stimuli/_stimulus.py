@@ -9,6 +9,7 @@ from jaxtyping import Array, Float, ScalarLike
 
 from lgmd2jax._eye import Eye
 from lgmd2jax._parameters import is_concrete
+from lgmd2jax.stimuli._probe import note_window
 
 LEAD_MS = 500.0  # of rest before the first motion, and after the last
 
@@ -53,4 +54,5 @@ def frame_times(
         raise ValueError(
             f"start_ms {start:g} to end_ms {stop:g} holds fewer than 2 frames at {eye.fps:g} fps; widen it"
         )
+    note_window(start, stop)
     return jnp.asarray(np.arange(first, last + 1) * 1000 / eye.fps, dtype=float)

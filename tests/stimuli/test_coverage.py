@@ -68,6 +68,14 @@ def test_single_precision_is_good_to_a_thousandth_of_a_pixel():
     assert np.all((single >= 0) & (single <= 1))
 
 
+def test_single_precision_is_finer_still_inside_of_the_disc():
+    x, y, radius = (jnp.float32(value) for value in (0.31, -0.77, 41.3))
+    area = np.asarray(jax.jit(lambda *place: coverage.disc(100, 120, *place))(x, y, radius))
+    corners = np.hypot(coverage.column_edges(120)[None, :] - 0.31, coverage.row_edges(100)[:, None] + 0.77)
+    corners = np.stack([corners[i : 100 + i, j : 120 + j] for i in (0, 1) for j in (0, 1)])
+    assert np.max(np.abs(area[corners.max(0) < 41.3 - 1e-4] - 1)) < 2e-5
+
+
 @pytest.mark.parametrize("place", [(0.31, -0.77, 3.27), (0.5, 0.6, 0.3), (11.23, 9.11, 6.43), (0.1, 0.2, 13.3)])
 def test_slopes_of_the_area_are_those_of_finite_differences(place):
     place, step = jnp.array(place), 1e-6
