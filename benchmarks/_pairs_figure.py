@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 def pairs_figure(path: Path, held: Float[np.ndarray, "row row"], numbers: Sequence[int], names: Sequence[str]) -> None:
     """For each pair, how many properties the best model holds that holds both; a cross where no model does."""
-    figure = Figure(figsize=(8.5, 6.2), layout="constrained")
+    figure = Figure(figsize=(9.5, 6.2))
     FigureCanvasAgg(figure)
     axes = figure.subplots()
     shown = np.where(held > 0, held, np.nan)
@@ -24,4 +24,4 @@ def pairs_figure(path: Path, held: Float[np.ndarray, "row row"], numbers: Sequen
     axes.tick_params(length=0)
     figure.colorbar(image, label="properties held by the best model that holds both", shrink=0.8)
     axes.set_title("x: no model of the search holds both", fontsize=9, loc="left")
-    figure.savefig(path, dpi=150)
+    figure.savefig(path, dpi=120, bbox_inches="tight")

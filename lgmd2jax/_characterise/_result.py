@@ -98,6 +98,9 @@ class Characterisation:
         """How many rows have a verdict."""
         return sum(it.passed is not None for it in self.rows)
 
+    def __repr__(self):
+        return self.summary()
+
     def summary(self) -> str:
         """The table."""
         from lgmd2jax._characterise._table import table
