@@ -3,13 +3,17 @@
 # A model becomes a file that proves itself on loading, and one module of NumPy that runs it.
 
 # %%
+import contextlib
+import io
 import pathlib
 import tempfile
 
+import imageio.v3 as iio
 import numpy as np
 
 import lgmd2jax as lgmd
 from lgmd2jax import hard
+from lgmd2jax.cli import main
 from notebooks import plots
 from notebooks.paper_claims import ROBOT_T_SP
 
@@ -28,8 +32,8 @@ robot = hard.load(folder / "model.json")
 theirs = robot(frames, fps=30)
 ours = model(frames)
 for channel in ("mp", "ffi", "smp_adapted", "spikes", "collision"):
-    apart = np.abs(np.asarray(getattr(ours, channel), float) - np.asarray(getattr(theirs, channel), float)).max()
-    print(f"{channel:12} differs by at most {apart:.0e}")
+    one, other = (np.asarray(getattr(it, channel), float) for it in (ours, theirs))
+    print(f"{channel:12} equal to a millionth: {np.allclose(one, other, rtol=1e-6, atol=1e-6 * np.abs(one).max())}")
 plots.strip(ball, at_ms=(-500, -200, -100, -66.7, -33.3, 0))
 
 # %% [markdown]
@@ -55,13 +59,6 @@ except ValueError as error:
 # A clip, with trace and alarm drawn on it: `lgmd2jax respond` does this for any video.
 
 # %%
-import contextlib
-import io
-
-import imageio.v3 as iio
-
-from lgmd2jax.cli import main
-
 clip, overlaid = folder / "ball.mp4", folder / "ball-alarm.mp4"
 iio.imwrite(
     clip, np.repeat(frames.astype(np.uint8)[..., None], 3, axis=-1)[:, :, :98], plugin="pyav", codec="libx264", fps=30

@@ -9,8 +9,8 @@ from matplotlib import style
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from lgmd2jax._figures import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, STYLE, VERMILION
 from lgmd2jax import Condition, Fit, LoomingLaw, Stimulus
+from lgmd2jax._figures import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, STYLE, VERMILION
 from notebooks.paper_claims import Seen
 
 COLOURS = {"LGMD2": BLUE, "LGMD1": VERMILION}
@@ -35,7 +35,13 @@ def panels(rows: int, cols: int, height: float, **options) -> tuple[Figure, np.n
 def smp_axes(axes: Axes, title: str, *levels: float) -> None:
     """Axes for a SMP, with spiking thresholds drawn."""
     for level in levels:
-        axes.axhline(level, color=GREY, linewidth=0.9, linestyle=(0, (5, 3)))
+        axes.axhline(
+            level,
+            color=GREY,
+            linewidth=0.9,
+            linestyle=(0, (5, 3)),
+            label="_" if level != levels[0] else "spiking threshold",
+        )
     axes.set(title=title, ylim=(0.47, 1.04), yticks=(0.5, 0.75, 1.0))
 
 
@@ -49,16 +55,17 @@ def networks(runs: Mapping[str, Mapping[str, Seen]], T_sp: float, columns: int =
         smp_axes(smp, condition, T_sp)
         for name, it in seen.items():
             smp.plot(it.time, it.smp_adapted[0], color=COLOURS[name], label=name)
-            course.plot(it.time, it.course[1], color=BLACK, linewidth=1)
-        label, _ = it.course
-        course.set(ylabel=label.replace("_", " ").replace(" px", "\n(px)"))
+        first = next(iter(seen.values()))
+        label, values = first.course
+        course.plot(first.time, values, color=BLACK, linewidth=1)
+        course.set(ylabel=label.replace("_px", "\n(px)").replace("level", "grey\nlevel"))
         course.yaxis.label.set_fontsize(7)
         smp.tick_params(labelbottom=True)
     for axes in grid[0::2, 0]:
         axes.set_ylabel("SMP")
     for axes in grid[-1]:
         axes.set_xlabel("time (ms)")
-    grid[0, 0].legend(loc="upper left", ncols=2, bbox_to_anchor=(0, 0.97))
+    figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside upper center", ncols=3)
     return drawn(figure)
 
 
@@ -194,7 +201,9 @@ def targets(conditions: Sequence[Condition], law: LoomingLaw) -> Image:
         recorded = condition.targets[0].on(stimulus)
         axes.plot(stimulus.time, recorded.values, color=BLACK, label="recorded")
         axes.plot(stimulus.time, law.on(stimulus).values, color=ORANGE, label="law")
-        axes.set(title=condition.name.removeprefix("dark approach "), xlabel="time (ms)", xlim=(-300, 300))
+        axes.set(
+            title=condition.name.removeprefix("dark approach "), xlabel="time (ms)", xlim=(-300, 300), ylim=(0, 130)
+        )
     grid[0, 0].set_ylabel("spikes/s")
     grid[0, 0].legend(loc="upper left")
     return drawn(figure)
@@ -211,7 +220,7 @@ def fitted(fit: Fit, conditions: Sequence[Condition], left_out: Condition) -> Im
         axes.plot(stimulus.time, recorded, color=BLACK, label="recorded")
         axes.plot(stimulus.time, model, color=VERMILION if new else BLUE, label="predicted" if new else "fitted")
         name = condition.name.removeprefix("dark approach ")
-        axes.set(title=f"{name}, R2 {explained:.3f}", xlabel="time (ms)", xlim=(-300, 300))
+        axes.set(title=f"{name}, R2 {explained:.3f}", xlabel="time (ms)", xlim=(-300, 300), ylim=(0, 130))
         axes.legend(loc="upper left", fontsize=7)
     grid[0, 0].set_ylabel("spikes/s")
     return drawn(figure)

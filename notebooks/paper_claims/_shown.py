@@ -75,8 +75,9 @@ class Seen:
 
 def see(model: lgmd.Network, condition: lgmd.Condition, repeats: int = 1) -> Seen:
     """Show a condition. One that is filmed has other noise in every repeat, and another phase of the camera's clock."""
-    filmed = condition.camera is not None
-    phases = min(repeats, _PHASES) if filmed else 1
+    camera = condition.camera
+    settings = None if camera is None else {key: value for key, value in camera.items() if key != "seed"}
+    phases = 1 if settings is None else min(repeats, _PHASES)
     eye = dataclasses.replace(condition.eye, fps=phases * condition.eye.fps)
     still = dataclasses.replace(condition, eye=eye, camera=None).render()
     count = len(still.time) // phases
@@ -84,8 +85,7 @@ def see(model: lgmd.Network, condition: lgmd.Condition, repeats: int = 1) -> See
     changes = np.abs(np.diff(clips, axis=1, prepend=clips[:, :1])).max(axis=(2, 3)) > 1e-6
     moving = np.maximum.accumulate(changes, axis=1) & np.maximum.accumulate(changes[:, ::-1], axis=1)[:, ::-1]
     held = np.pad(clips, ((0, 0), (0, -count % _LENGTH), (0, 0), (0, 0)), mode="edge")
-    settings = {key: value for key, value in condition.camera.items() if key != "seed"} if filmed else None
-    which = np.arange(repeats if filmed else 1) % phases
+    which = np.arange(1 if settings is None else repeats) % phases
     keys = jax.random.split(jax.random.key(0), len(which))
     seen = jax.device_get(_filmed(model, jnp.asarray(held), condition.eye.fps, keys, jnp.asarray(which), settings))
     time = np.asarray(still.time)[: phases * count : phases]
@@ -137,10 +137,10 @@ def network(name: str, eye: lgmd.Eye) -> lgmd.Network:
     }[name]()
 
 
-def _fitted(eye: lgmd.Eye) -> lgmd.LGMD2:
+def _fitted(eye: lgmd.Eye) -> lgmd.Network:
     """The shipped fit, taken to another frame rate and field of view: k and T_ffi go as one by the field's area."""
-    own = lgmd.load_fit("lgmd2").model
-    share = np.prod(own.eye.field_of_view) / np.prod(eye.field_of_view)
+    own, home = lgmd.load_fit("lgmd2").model, next(iter(conditions("lgmd2").values())).eye
+    share = np.prod(home.field_of_view) / np.prod(eye.field_of_view)
     scaled = lgmd.at_frame_rate(own, eye.fps)
     p = scaled.parameters
     return dataclasses.replace(

@@ -35,8 +35,8 @@ def overhead_approach(name: str = "robot") -> Finding:
         six, four = (shares(it.alarms for it in overhead(each)) for each in ("robot", "robot, N_sp 4"))
         alarms = f"; alarms of eq. 17 in {six} of repeats, with N_sp = 4 in {four}"
     return Finding(
-        f"two spikes a frame in {shares(share)} of repeats, peaks {listed(it.peak() for it in runs)}{alarms}; SFA takes at "
-        f"most {max(before):.3f} up to the peak, up to {max(after):.3f} after it, as the gate reopens",
+        f"two spikes a frame in {shares(share)} of repeats, peaks {listed(it.peak() for it in runs)}{alarms}; SFA "
+        f"takes at most {max(before):.3f} up to the peak, up to {max(after):.3f} after it, as the gate reopens",
         {"all recognised": min(share) == 1, "SFA after the peak": min(after) > max(before)},
     )
 
@@ -145,8 +145,8 @@ def crossing_by_speed(name: str = "robot", level: int = 20, slower: float = 1) -
 @claim(
     25,
     "Fig. 19",
-    "A translation 50, 20, 10 cm away is answered more strongly the nearer it is; at 50 cm it is quiet, at 10 cm it can "
-    "fire.",
+    "A translation 50, 20, 10 cm away is answered more strongly the nearer it is; at 50 cm it is quiet, at 10 cm it "
+    "can fire.",
     choices=CROSSINGS,
 )
 def crossing_by_distance(name: str = "robot", level: int = 20, slower: float = 1) -> Finding:

@@ -124,8 +124,8 @@ def directions() -> Finding:
     for name in ("LGMD2", "LGMD1"):
         runs = [shown(name, "paper", condition).smp_adapted for condition in TRANSLATIONS]
         apart[name] = max(np.abs(runs[0] - runs[1]).max(), np.abs(runs[2] - runs[3]).max())
-    measured = ", ".join(f"{name} {value:.1e}" for name, value in apart.items())
-    return Finding(f"SMP differs by at most: {measured}", {name: value < 1e-2 for name, value in apart.items()})
+    measured = ", ".join(f"{name} {value:.3f}" for name, value in apart.items())
+    return Finding(f"SMP differs by at most: {measured}", {name: value < 1e-3 for name, value in apart.items()})
 
 
 @claim(10, "Fig. 7a, b", "The LGMD1 stays high to the end of a translation.")

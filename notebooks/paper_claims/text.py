@@ -59,10 +59,11 @@ def grouping() -> Finding:
     edge, clutter = np.abs(beyond) < 5, beyond > 15
     stands_out = [float(it[edge].mean() / it[clutter].std()) for it in (s, g)]
     apart = abs(g.sum() / s.sum() - 1)
+    rounding = " but for rounding" if apart < 1e-6 else ""
     return Finding(
         f"mean at the edge by the s.d. of the clutter: {stands_out[0]:.1f} in S', {stands_out[1]:.1f} in G; but sum(G) "
-        f"is sum(S') to {apart:.0e}, and the cell sees the sum alone: nothing of it reaches MP, SMP or spikes",
-        {"in the map": stands_out[1] > stands_out[0], "in the response": bool(apart > 1e-3)},
+        f"is sum(S'){rounding}, and the cell sees the sum alone: nothing of it reaches MP, SMP or spikes",
+        {"in the map": stands_out[1] > stands_out[0], "in the response": bool(apart > 1e-6)},
     )
 
 
