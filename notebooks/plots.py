@@ -8,6 +8,7 @@ from IPython.display import Image
 from matplotlib import style
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from PIL import Image as Picture
 
 from lgmd2jax import Condition, Fit, LoomingLaw, Stimulus
 from lgmd2jax._figures import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, STYLE, VERMILION
@@ -20,10 +21,11 @@ _DPI = 80
 
 
 def drawn(figure: Figure) -> Image:
-    """The figure as the picture that a cell shows."""
-    content = io.BytesIO()
-    figure.savefig(content, format="png", dpi=_DPI, metadata={"Software": None})
-    return Image(content.getvalue())
+    """The figure as the picture that a cell shows, in few colours, so that notebooks stay small."""
+    content, small = io.BytesIO(), io.BytesIO()
+    figure.savefig(content, format="png", dpi=_DPI)
+    Picture.open(content).convert("RGB").quantize(64).save(small, format="png", optimize=True)
+    return Image(small.getvalue())
 
 
 def panels(rows: int, cols: int, height: float, **options) -> tuple[Figure, np.ndarray]:
@@ -84,10 +86,11 @@ def repeats(runs: Mapping[str, Seen], levels: Sequence[float], T_ffi: float, tit
             (grid[1, 1], it.spike_counts.mean(), it.spike_counts.std()),
         ):
             axes.errorbar(name, mean, spread, fmt="o", color=colour, capsize=4)
-    grid[1, 0].axhline(T_ffi, color=GREEN, linewidth=0.9, linestyle=(0, (5, 3)))
+    grid[1, 0].axhline(T_ffi, color=GREY, linewidth=0.9, linestyle=(0, (5, 3)))
     grid[1, 0].set(title="FFI (dashed: T_ffi)", ylabel="grey levels", xlabel="time (ms)", ylim=(0, None))
     smp_axes(grid[0, 1], "peak", *levels)
-    grid[1, 1].set(title="spikes", ylim=(0, None))
+    most = max(it.spike_counts.max() for it in runs.values())
+    grid[1, 1].set(title="spikes", ylim=(0, max(1.2, 1.1 * most)))
     grid[0, 0].set_ylabel("SMP")
     for axes in grid[:, 1]:
         axes.margins(x=0.2)
@@ -97,8 +100,8 @@ def repeats(runs: Mapping[str, Seen], levels: Sequence[float], T_ffi: float, tit
 
 
 @style.context(STYLE)
-def adaptation(runs: Mapping[str, Seen], levels: Sequence[float]) -> Image:
-    """SMP before and after SFA with spikes, a panel a condition, as the paper draws its robot's."""
+def adaptation(runs: Mapping[str, Seen], levels: Sequence[float], since_ms: float | None = None) -> Image:
+    """SMP before and after SFA with spikes, a panel a condition, as the paper draws its robot's: the first repeat."""
     columns = {1: 1, 2: 2, 4: 2}.get(len(runs), 3)
     figure, grid = panels(-(-len(runs) // columns), columns, 1.9, sharey=True)
     for axes, (name, it) in zip(grid.flat, runs.items(), strict=True):
@@ -119,7 +122,9 @@ def adaptation(runs: Mapping[str, Seen], levels: Sequence[float]) -> Image:
         axes.set_ylabel("SMP")
     for axes in grid[-1]:
         axes.set_xlabel("time (ms)")
-    grid[0, 0].legend(loc="upper left", fontsize=7)
+    for axes in grid.flat:
+        axes.set_xlim(left=since_ms)
+    figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside upper center", ncols=5, fontsize=7)
     return drawn(figure)
 
 

@@ -20,7 +20,7 @@ NOT_HELD = {
     28: ("in the response",),
 }
 NOT_YET = (31, 32)
-QUICK = (*range(1, 6), *range(8, 14))  # the others take half a minute each
+QUICK = (*range(1, 6), *range(8, 12))  # the others take ten seconds to a minute each
 HELD_BY_CHOICE = {
     22: "white ball of 215 on 230",
     23: "theta1 = .1, in Table I's range",
