@@ -1,15 +1,19 @@
 # make fit    set everything up, fit the LGMD2 to its target curves, leave the results in fits/lgmd2/
 # make test   set everything up, run the tests
+# make notebooks   set everything up, run the notebooks and write them again
 # make lint   set everything up, check style and types
 PYTHON ?= python3
 VENV ?= .venv
 
-.PHONY: fit test lint
+.PHONY: fit test notebooks lint
 fit: $(VENV)/ready
 	$(VENV)/bin/lgmd2jax fit fits/lgmd2.toml
 
 test: $(VENV)/ready
 	$(VENV)/bin/python -m pytest -n 2 --dist loadfile
+
+notebooks: $(VENV)/ready
+	$(VENV)/bin/python -m notebooks.build $(NOTEBOOKS)
 
 lint: $(VENV)/ready
 	$(VENV)/bin/ruff check

@@ -1,0 +1,76 @@
+"""Make the notebooks from their sources and run each from a clean kernel, top to bottom.
+
+python -m notebooks.build                     all, written beside their sources
+python -m notebooks.build first_steps         only this
+python -m notebooks.build --check             all, and none written
+
+A source is plain Python in cells: `# %%` begins one of code, `# %% [markdown]` one of text in comments.
+"""
+
+import argparse
+import re
+import sys
+import time
+from pathlib import Path
+
+import nbformat
+from nbclient import NotebookClient
+
+from lgmd2jax._files import replaced
+
+FOLDER = Path(__file__).parent
+NAMES = ("first_steps", "reproduce_paper", "reproduce_recorded", "reproduce_robot", "fit_biology", "deploy")
+LIMIT_S, LIMIT_KB = 600, 300
+
+
+def cells(source: str) -> list[nbformat.NotebookNode]:
+    """The cells of a source, their ids counted, so that the same run gives the same file."""
+    made = []
+    for number, (kind, body) in enumerate(re.findall(r"^# %%( \[markdown\])?\n(.*?)(?=^# %%|\Z)", source, re.M | re.S)):
+        if kind:
+            cell = nbformat.v4.new_markdown_cell(re.sub(r"^# ?", "", body.strip(), flags=re.M))
+        else:
+            cell = nbformat.v4.new_code_cell(body.strip())
+        cell.id = f"cell-{number}"
+        made.append(cell)
+    return made
+
+
+def run(name: str) -> nbformat.NotebookNode:
+    """The notebook with its outputs, and without what differs from run to run.
+
+    **Raises:** `CellExecutionError` where a cell fails.
+    """
+    notebook = nbformat.v4.new_notebook(cells=cells((FOLDER / f"{name}.py").read_text(encoding="utf-8")))
+    notebook.metadata = {
+        "kernelspec": {"name": "python3", "display_name": "Python 3", "language": "python"},
+        "language_info": {"name": "python"},
+    }
+    client = NotebookClient(notebook, timeout=LIMIT_S, record_timing=False)
+    client.execute(cwd=str(FOLDER.parent))
+    notebook.metadata["language_info"] = {"name": "python"}
+    return notebook
+
+
+def main() -> int:
+    """Run, and write what passed."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("name", nargs="*", help=f"of {', '.join(NAMES)} (default: all)")
+    parser.add_argument("--check", action="store_true", help="run only; write nothing")
+    options = parser.parse_args()
+    for name in options.name or NAMES:
+        begin = time.perf_counter()
+        text = nbformat.writes(run(name)) + "\n"
+        size = len(text) / 1000
+        print(f"{name}: {time.perf_counter() - begin:.0f} s, {size:.0f} kB", flush=True)
+        if size > LIMIT_KB:
+            print(f"{name} has more than {LIMIT_KB} kB; draw less, or at fewer dots per inch", file=sys.stderr)
+            return 1
+        if not options.check:
+            with replaced(FOLDER / f"{name}.ipynb") as path:
+                path.write_text(text, encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
