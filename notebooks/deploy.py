@@ -64,6 +64,7 @@ iio.imwrite(
     clip, np.repeat(frames.astype(np.uint8)[..., None], 3, axis=-1)[:, :, :98], plugin="pyav", codec="libx264", fps=30
 )
 command = ["respond", str(clip), "--model", "preset:lgmd2", "--set", f"T_sp={ROBOT_T_SP}", "--overlay", str(overlaid)]
+command += ["--csv", str(folder / "ball.csv"), "--figure", str(folder / "ball.png")]
 with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
     status = main(command)
 pictures = iio.imread(overlaid, plugin="pyav")
