@@ -49,14 +49,13 @@ class Archive:
     """For each pair of properties the best model that holds both; on the diagonal, one property.
 
     - `held`: how many properties it holds, 0 where no model holds both. `z`: the model, in the unit box.
-    - `seen`: models looked at. `share`: of these, how many hold each property; `counts`: each number of properties.
+    - `holders`: how many of all models hold each property. `counts`: how many hold each number of properties.
     """
 
     held: Float[np.ndarray, "row row"]
     score: Float[np.ndarray, "row row"]
     z: Float[np.ndarray, "row row free"]
-    seen: int
-    share: Float[np.ndarray, " row"]
+    holders: Float[np.ndarray, " row"]
     counts: Float[np.ndarray, " count"]
 
     @classmethod
@@ -65,7 +64,17 @@ class Archive:
         rows = len(ROWS)
         nothing = np.zeros((rows, rows))
         free = len(PIXELS) + len(CELL)
-        return cls(nothing, nothing.copy(), np.zeros((rows, rows, free)), 0, np.zeros(rows), np.zeros(rows + 1))
+        return cls(nothing, nothing.copy(), np.zeros((rows, rows, free)), np.zeros(rows), np.zeros(rows + 1))
+
+    @property
+    def seen(self) -> int:
+        """Models looked at."""
+        return int(self.counts.sum())
+
+    @property
+    def share(self) -> Float[np.ndarray, " row"]:
+        """Of all models, how many hold each property."""
+        return self.holders / self.seen
 
     def add(
         self,
@@ -80,8 +89,7 @@ class Archive:
         self.score[better] = score[best[better]]
         self.held[better] = passed.sum(axis=1)[best[better]]
         self.z[better] = z[best[better]]
-        self.share = (self.share * self.seen + passed.sum(axis=0)) / (self.seen + len(z))
-        self.seen += len(z)
+        self.holders += passed.sum(axis=0)
         self.counts += np.bincount(passed.sum(axis=1), minlength=len(ROWS) + 1)
 
 

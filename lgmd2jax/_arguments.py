@@ -40,6 +40,19 @@ def check_keys(table: Mapping[str, Any], known: Collection[str]) -> None:
             raise ValueError(f"unknown key {key!r}; did you mean {likeliest!r}?")
 
 
+def section(table: Mapping[str, Any], key: str, known: Collection[str] | None = None) -> dict[str, Any]:
+    """The sub-table of a key, empty where there is none.
+
+    **Raises:** `ValueError` for what is no table, and for a key in it that is not `known`.
+    """
+    found = table.get(key, {})
+    if not isinstance(found, dict):
+        raise ValueError(f"{key} is {found!r}; write it as a table [{key}]")
+    if known is not None:
+        check_keys(found, known)
+    return found
+
+
 def check_complete(table: Mapping[str, Any], callee: Callable) -> None:
     """Raise `ValueError` for the first keyword without a default that the table lacks."""
     for name, parameter in keywords(callee).items():

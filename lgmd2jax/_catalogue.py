@@ -1,9 +1,13 @@
 """The shipped protocols, recipes and fits: found by a bare name, in a clone and in an installed wheel."""
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any, TypeVar
 
+from lgmd2jax._files import read_toml
 from lgmd2jax._parameters import nearest
 
+Content = TypeVar("Content")
 _PACKAGE = Path(__file__).parent
 
 
@@ -37,6 +41,19 @@ def locate(name: str | Path, kind: str, suffix: str = ".toml") -> Path:
     found = (file.relative_to(folder(kind)).as_posix() for file in folder(kind).glob(f"*{suffix}"))
     known = nearest(bare, [file.removesuffix(suffix) for file in found])
     raise FileNotFoundError(f"no such file: {bare}" + (f"; by name, choose {known}" if known else ""))
+
+
+def read_named(name: str | Path, kind: str, content: Callable[[Path, dict[str, Any]], Content]) -> Content:
+    """What `content` makes of the path and the tables of a TOML file that is named as for `locate`.
+
+    **Raises:** `FileNotFoundError`; `ValueError` that names the file, for what is not TOML or not such a file.
+    """
+    path = locate(name, kind)
+    table = read_toml(path)
+    try:
+        return content(path, table)
+    except (ValueError, TypeError) as error:
+        raise ValueError(f"{path}: {error}") from error
 
 
 def results_folder(name: str | Path, output: str | Path | None = None) -> Path:

@@ -4,14 +4,13 @@ import argparse
 import datetime
 import platform
 import time
-from pathlib import Path
 
 import jax
 
-from lgmd2jax._catalogue import results_folder
 from lgmd2jax._folder import check_folder
 from lgmd2jax._memory import FileMemory
 from lgmd2jax._recipe import Recipe, load_recipe
+from lgmd2jax._recipe_argument import add_recipe, folder_of
 from lgmd2jax._results import MARKER, save_fit
 from lgmd2jax.fitting import Fit
 from lgmd2jax.fitting._descent import STOPPED
@@ -44,10 +43,7 @@ def add(commands) -> None:
         description="Fit the free parameters of a recipe to its target curves, and hand over the hard model.",
         epilog=_EXAMPLES,
     )
-    parser.add_argument("recipe", metavar="RECIPE", help="a TOML file, or the name of a shipped recipe")
-    parser.add_argument(
-        "-o", "--output", type=Path, metavar="FOLDER", help="default: beside the recipe; for a shipped one, here"
-    )
+    add_recipe(parser)
     parser.add_argument("--resume", action="store_true", help="keep the starts that an earlier run has finished")
     parser.set_defaults(run=run)
 
@@ -56,7 +52,7 @@ def run(options: argparse.Namespace) -> None:
     """Make the fit, write its folder, and print the report."""
     began = time.monotonic()
     recipe = load_recipe(options.recipe)
-    folder = options.output or results_folder(options.recipe) / recipe.name
+    folder = folder_of(options, recipe.name)
     check_folder(folder, MARKER)
     digest = recipe.digest()
     memory = FileMemory(folder.absolute().with_name(f".{folder.absolute().name}.starts.jsonl"), digest, options.resume)

@@ -3,13 +3,12 @@
 import argparse
 import os
 import time
-from pathlib import Path
 
 import jax
 
-from lgmd2jax._catalogue import results_folder
 from lgmd2jax._files import replaced
 from lgmd2jax._folder import check_folder
+from lgmd2jax._recipe_argument import add_recipe, folder_of
 from lgmd2jax._sweep import sweep
 from lgmd2jax._sweep_recipe import load_sweep_recipe
 from lgmd2jax.stimuli import FAMILIES
@@ -46,10 +45,7 @@ def add(commands) -> None:
         description="Compute the response over a grid of stimuli, parameters and models, and draw it as a surface.",
         epilog=_EXAMPLES,
     )
-    parser.add_argument("recipe", metavar="RECIPE", help="a TOML file, or the name of a shipped recipe")
-    parser.add_argument(
-        "-o", "--output", type=Path, metavar="FOLDER", help="default: beside the recipe; for a shipped one, here"
-    )
+    add_recipe(parser)
     parser.set_defaults(run=run)
 
 
@@ -58,7 +54,7 @@ def run(options: argparse.Namespace) -> None:
     began = time.monotonic()
     _use_all_cores()
     recipe = load_sweep_recipe(options.recipe)
-    folder = options.output or results_folder(options.recipe) / recipe.name
+    folder = folder_of(options, recipe.name)
     check_folder(folder, _FIGURE if (folder / _FIGURE).is_file() else f"{_STORE}/zarr.json")
     folder.mkdir(exist_ok=True)
     try:

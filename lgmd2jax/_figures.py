@@ -69,7 +69,8 @@ def response_figure(
     path: str | os.PathLike, trace: Trace, parameters: ParameterSet, snapshots: Sequence[Snapshot], title: str
 ) -> None:
     """What the cell did over a clip: snapshots, SMP and spikes with their thresholds, MP, FFI with its own, alarms."""
-    time, (levels, T_ffi) = trace.time_ms / 1000, parameters.levels
+    time, levels = trace.time_ms / 1000, parameters.levels
+    T_ffi = levels.ffi
     with drawn(path, 10, 7.6) as figure:
         figure.suptitle(title)
         grid = figure.add_gridspec(5, 1, height_ratios=(1.0, 2.6, 0.55, 1.3, 1.3))
@@ -81,12 +82,12 @@ def response_figure(
 
         smp.plot(time, trace.smp, color=SKY, linewidth=1, label="before adaptation")
         smp.plot(time, trace.smp_adapted, color=BLUE, linewidth=1.6, label="after adaptation")
-        for count, level in enumerate(levels, start=1):
-            _threshold(smp, level, f"{count} spike{'s' * (count > 1)}", VERMILION)
-        smp.set(ylabel="SMP", ylim=(0.48, max(1.09, levels[-1] + 0.09)), yticks=np.linspace(0.5, 1, 6))
+        for name, level in levels.by_count.items():
+            _threshold(smp, level, name, VERMILION)
+        smp.set(ylabel="SMP", ylim=(0.48, max(1.09, levels.spikes[-1] + 0.09)), yticks=np.linspace(0.5, 1, 6))
 
         spikes.vlines(time, 0, trace.spikes, color=BLACK, linewidth=1)
-        spikes.set(ylabel="spikes", ylim=(0, len(levels) + 0.3), yticks=range(len(levels) + 1))
+        spikes.set(ylabel="spikes", ylim=(0, len(levels.spikes) + 0.3), yticks=range(len(levels.spikes) + 1))
 
         mp.plot(time, trace.mp, color=BLACK)
         mp.set(ylabel="MP\n(grey levels)", ylim=(0, None))
@@ -102,7 +103,8 @@ def response_figure(
         _threshold(ffi, T_ffi, "T_ffi", GREEN)
         # A gate that is far away, or taken out, does not flatten the curve.
         ffi.set(
-            ylabel="FFI\n(grey levels)", ylim=(0, 1.15 * max(trace.ffi.max(), min(T_ffi, 4 * trace.ffi.max()), 1e-3))
+            ylabel="FFI\n(grey levels)",
+            ylim=(0, 1.15 * max(trace.ffi.max(), min(T_ffi, 4 * trace.ffi.max()), 1e-3)),
         )
         ffi.set(xlabel="time (s)", xlim=(time[0], time[-1]))
 

@@ -76,6 +76,11 @@ class Levels(NamedTuple):
     spikes: tuple[float, ...]
     ffi: float
 
+    @property
+    def by_count(self) -> dict[str, float]:
+        """The SMP from which there is `1 spike`, from which there are `2 spikes`, and so on."""
+        return {f"{count} spike{'s' * (count > 1)}": level for count, level in enumerate(self.spikes, start=1)}
+
 
 class ParameterSet(eqx.Module):
     """Parameters of a network that declare themselves: one floating scalar each, so the whole is a pytree of leaves.

@@ -9,9 +9,8 @@ from typing import Any
 import jax
 
 from lgmd2jax._arguments import arguments, check_complete, check_keys, keywords
-from lgmd2jax._catalogue import locate
+from lgmd2jax._catalogue import read_named
 from lgmd2jax._eye import Eye
-from lgmd2jax._files import read_toml
 from lgmd2jax._grid import expand, fill
 from lgmd2jax._parameters import nearest
 from lgmd2jax._target import AnyTarget
@@ -95,12 +94,11 @@ def load_protocol(source: str | Path) -> Protocol:
     **Raises:** `FileNotFoundError` for a file that is not there; `ValueError`, which names file, condition and key, for
     what is not a protocol.
     """
-    path = locate(source, "stimuli")
-    document = read_toml(path)
-    try:
-        return Protocol(path.stem, _conditions(document, path.parent.resolve()))
-    except ValueError as error:
-        raise ValueError(f"{path}: {error}") from error
+    return read_named(source, "stimuli", _protocol)
+
+
+def _protocol(path: Path, document: dict[str, Any]) -> Protocol:
+    return Protocol(path.stem, _conditions(document, path.parent.resolve()))
 
 
 def _conditions(document: dict[str, Any], folder: Path) -> tuple[Condition, ...]:

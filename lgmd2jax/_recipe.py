@@ -10,9 +10,8 @@ from typing import Any
 import jax
 import numpy as np
 
-from lgmd2jax._arguments import check_keys
-from lgmd2jax._catalogue import locate
-from lgmd2jax._files import read_toml
+from lgmd2jax._arguments import check_keys, section
+from lgmd2jax._catalogue import read_named
 from lgmd2jax._model import LGMD2
 from lgmd2jax._observation import Observation, observation_symbols
 from lgmd2jax._parameters import preset, symbols
@@ -98,12 +97,7 @@ def load_recipe(source: str | Path) -> Recipe:
 
     **Raises:** `ValueError`, which names the file and the key, for what is not a recipe; `FileNotFoundError`.
     """
-    path = locate(source, "fits")
-    table = read_toml(path)
-    try:
-        return _recipe(path, table)
-    except (ValueError, TypeError) as error:
-        raise ValueError(f"{path}: {error}") from error
+    return read_named(source, "fits", _recipe)
 
 
 def _recipe(path: Path, table: dict[str, Any]) -> Recipe:
@@ -113,11 +107,11 @@ def _recipe(path: Path, table: dict[str, Any]) -> Recipe:
             raise ValueError(f"{key} is missing")
     if table.get("kind", "fit") != "fit":
         raise ValueError(f"kind is {table['kind']!r}; a recipe of this command has kind 'fit'")
-    uncertainty, validation = _section(table, "uncertainty"), _section(table, "validation")
+    uncertainty, validation = section(table, "uncertainty"), section(table, "validation")
     check_keys(uncertainty, ("absolute_errors", "profile", "samples"))
     check_keys(validation, ("leave_one_out", "looming_law"))
-    free = Free(**{name: _choice(name, limits) for name, limits in _section(table, "free").items()})
-    profile, truth = tuple(uncertainty.get("profile", ())), _section(table, "truth")
+    free = Free(**{name: _choice(name, limits) for name, limits in section(table, "free").items()})
+    profile, truth = tuple(uncertainty.get("profile", ())), section(table, "truth")
     for name in (*profile, *truth):
         if name not in free.names:
             raise ValueError(f"{name!r} is not free; choose {', '.join(free.names)}")
@@ -128,10 +122,10 @@ def _recipe(path: Path, table: dict[str, Any]) -> Recipe:
     return Recipe(
         name=path.stem,
         model=_model(table, protocol.conditions[0].eye),
-        observation=Observation(**_section(table, "observation", observation_symbols())),
+        observation=Observation(**section(table, "observation", observation_symbols())),
         free=free,
         pairs=pairs,
-        solver=_section(table, "solver", _SOLVER),
+        solver=section(table, "solver", _SOLVER),
         absolute_errors=uncertainty.get("absolute_errors"),
         profile=profile,
         samples=uncertainty.get("samples", 0),
@@ -142,19 +136,10 @@ def _recipe(path: Path, table: dict[str, Any]) -> Recipe:
     )
 
 
-def _section(table: Mapping[str, Any], key: str, known: Sequence[str] | Mapping[str, Any] | None = None) -> dict:
-    section = table.get(key, {})
-    if not isinstance(section, dict):
-        raise ValueError(f"{key} is {section!r}; write it as a table [{key}]")
-    if known is not None:
-        check_keys(section, list(known))
-    return section
-
-
 def _model(table: Mapping[str, Any], eye) -> LGMD2:
-    parameters = preset(table.get("preset", "lgmd2"), **_section(table, "parameters", symbols()))
+    parameters = preset(table.get("preset", "lgmd2"), **section(table, "parameters", symbols()))
     thresholds = Soft(table["temperature"]) if "temperature" in table else Hard()
-    return LGMD2(parameters, thresholds, eye=eye, **_section(table, "structure", _STRUCTURE))
+    return LGMD2(parameters, thresholds, eye=eye, **section(table, "structure", _STRUCTURE))
 
 
 def _choice(name: str, limits: Any) -> Linear | Log | Tie | None:

@@ -7,10 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from lgmd2jax._arguments import arguments, check_keys, keywords
-from lgmd2jax._catalogue import locate
+from lgmd2jax._arguments import arguments, check_keys, keywords, section
+from lgmd2jax._catalogue import read_named
 from lgmd2jax._eye import Eye
-from lgmd2jax._files import read_toml
 from lgmd2jax._model_argument import model_named
 from lgmd2jax._network import Network
 from lgmd2jax._parameters import nearest
@@ -49,8 +48,7 @@ class SweepRecipe:
         swept = {"T_sp", "sigma_sp"} & set(self.parameters)
         if self.value != "peak" or self.index is not None or swept or not isinstance(self.model, Network):
             return {}
-        one, step = (float(getattr(self.model.parameters, name)) for name in ("T_sp", "sigma_sp"))
-        return {"1 spike": one, "2 spikes": one + step}
+        return self.model.parameters.levels.by_count
 
 
 def load_sweep_recipe(source: str | Path) -> SweepRecipe:
@@ -77,12 +75,7 @@ def load_sweep_recipe(source: str | Path) -> SweepRecipe:
 
     **Raises:** `ValueError`, which names the file and the key, for what is not such a recipe; `FileNotFoundError`.
     """
-    path = locate(source, "fits")
-    table = read_toml(path)
-    try:
-        return _recipe(path, table)
-    except (ValueError, TypeError) as error:
-        raise ValueError(f"{path}: {error}") from error
+    return read_named(source, "fits", _recipe)
 
 
 def _recipe(path: Path, table: dict[str, Any]) -> SweepRecipe:
@@ -94,19 +87,18 @@ def _recipe(path: Path, table: dict[str, Any]) -> SweepRecipe:
         raise ValueError(f"family is {family!r}; choose {nearest(family, FAMILIES)}")
     names, folder = table.get("model", "preset:lgmd2"), path.parent.resolve()
     axes, fixed = {}, {}
-    for name, value in table.get("stimulus", {}).items():
+    for name, value in section(table, "stimulus").items():
         swept = isinstance(value, list) or (isinstance(value, Mapping) and "from" in value)
         (axes if swept else fixed)[name] = _values(name, value) if swept else value
     check_keys(axes, keywords(FAMILIES[family]))
-    figure = table.get("figure", {})
-    check_keys(figure, ("value", "index"))
+    figure = section(table, "figure", ("value", "index"))
     recipe = SweepRecipe(
         name=path.stem,
         model={name: model_named(name) for name in names} if isinstance(names, list) else model_named(names),
-        eye=eye_of(table.get("eye", {}), folder),
+        eye=eye_of(section(table, "eye"), folder),
         family=family,
         shown=arguments(FAMILIES[family], fixed, folder) | axes,
-        parameters={name: _values(name, value) for name, value in table.get("parameters", {}).items()},
+        parameters={name: _values(name, value) for name, value in section(table, "parameters").items()},
         channels=check_channels(table.get("channels", ())),
         value=figure.get("value"),
         index=figure.get("index"),

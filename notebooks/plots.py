@@ -12,6 +12,7 @@ from PIL import Image as Picture
 
 from lgmd2jax import Condition, Fit, LoomingLaw, Stimulus
 from lgmd2jax._figures import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, STYLE, VERMILION
+from lgmd2jax.fitting._curve import variance_explained
 from notebooks.paper_claims import Seen
 
 COLOURS = {"LGMD2": BLUE, "LGMD1": VERMILION}
@@ -108,16 +109,9 @@ def adaptation(runs: Mapping[str, Seen], levels: Sequence[float], since_ms: floa
         smp_axes(axes, name, *levels)
         axes.plot(it.time, it.smp[0], color=VERMILION, linestyle="--", label="before SFA")
         axes.plot(it.time, it.smp_adapted[0], color=BLUE, label="after SFA")
-        for count, colour in ((1, GREY), (2, BLACK)):
+        for count, label, colour in ((1, "1 spike", GREY), (2, "2 spikes", BLACK)):
             when = it.time[np.round(it.spikes[0]) == count]
-            axes.plot(
-                when,
-                np.full(len(when), 0.48),
-                "*",
-                color=colour,
-                markersize=4,
-                label=f"{count} spikes"[: 7 + (count > 1)],
-            )
+            axes.plot(when, np.full(len(when), 0.48), "*", color=colour, markersize=4, label=label)
     for axes in grid[:, 0]:
         axes.set_ylabel("SMP")
     for axes in grid[-1]:
@@ -220,9 +214,9 @@ def fitted(fit: Fit, conditions: Sequence[Condition], left_out: Condition) -> Im
     figure, grid = panels(1, len(conditions), 2.2, sharey=True)
     for axes, condition in zip(grid[0], conditions, strict=True):
         stimulus, new = condition.render(), condition is left_out
-        recorded, model = np.asarray(condition.targets[0].on(stimulus).values), fit.predict(stimulus)
-        explained = 1 - np.sum((recorded - model) ** 2) / np.sum((recorded - recorded.mean()) ** 2)
-        axes.plot(stimulus.time, recorded, color=BLACK, label="recorded")
+        recorded, model = condition.targets[0].on(stimulus), fit.predict(stimulus)
+        explained = variance_explained(recorded.values, model, recorded.weight)
+        axes.plot(stimulus.time, recorded.values, color=BLACK, label="recorded")
         axes.plot(stimulus.time, model, color=VERMILION if new else BLUE, label="predicted" if new else "fitted")
         name = condition.name.removeprefix("dark approach ")
         axes.set(title=f"{name}, R2 {explained:.3f}", xlabel="time (ms)", xlim=(-300, 300), ylim=(0, 130))

@@ -15,6 +15,7 @@ from lgmd2jax._characterise._exam import Exam, Sums, at_rate
 from lgmd2jax._characterise._extremes import largest
 from lgmd2jax._characterise._trials import REFERENCE, textured
 from lgmd2jax._network import Network, channels
+from lgmd2jax._peaks import vertex
 
 _REST_MS = 200.0  # last part of the lead-in, whose mean is rest
 _WEAKEST = 0.05  # of SMP for the reference, of R for any other peak: what is smaller is no peak
@@ -165,9 +166,7 @@ def peak(stack: Stack) -> tuple[Values, Values]:
     top, i = largest(inside, axis=1), jnp.argmax(inside, axis=1)
     left, right, frames = _run(stack, inside, i, top - _LEVEL)
     before, at, after = (_at(stack.values, i + step) for step in (-1, 0, 1))
-    bend = before - 2 * at + after
-    vertex = 0.5 * (before - after) / jnp.where(bend < 0, bend, -1)
-    parabola = _at(stack.time, i) + stack.frame * jnp.where(bend < 0, jnp.clip(vertex, -0.5, 0.5), 0)
+    parabola = _at(stack.time, i) + stack.frame * vertex(before, at, after)
     time = jnp.where(frames >= 3, (left + right) / 2, parabola)
     return top, jnp.where(top >= _WEAKEST, time, jnp.nan)
 

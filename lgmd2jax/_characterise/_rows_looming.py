@@ -9,6 +9,7 @@ from lgmd2jax._characterise._curves import Curves, highest, integral, peak, rise
 from lgmd2jax._characterise._extremes import largest, least
 from lgmd2jax._characterise._row import SAME, Line, row
 from lgmd2jax._characterise._trials import L_OVER_V, REFERENCE
+from lgmd2jax._peaks import line_through
 
 _ALLOWANCE = 25.0  # ms, for delta, so that rows do not lean on their own fit; a frame is added to it
 LOOMS = tuple(trials.loom(it) for it in L_OVER_V)
@@ -25,17 +26,9 @@ def peak_leads(it: Curves, *names: str) -> Float[Array, " trial"]:
     return _ALLOWANCE + stack.frame - peak(stack)[1]
 
 
-def line_through(y: Float[Array, " speed"], x: np.ndarray = _SPEEDS) -> tuple[Scalar, Scalar, Float[Array, " speed"]]:
-    """Slope, intercept and residuals of the straight line by least squares."""
-    centred = x - x.mean()
-    slope = jnp.sum(y * centred) / np.sum(centred**2)
-    intercept = jnp.mean(y) - slope * x.mean()
-    return slope, intercept, y - slope * x - intercept
-
-
 def law_of_peaks(it: Curves) -> tuple[Scalar, Scalar]:
     """alpha, and delta in ms less a frame, of t_c - t_peak = alpha l/|v| - delta."""
-    slope, intercept, _ = line_through(peak_leads(it, *LOOMS))
+    slope, intercept, _ = line_through(peak_leads(it, *LOOMS), _SPEEDS)
     return slope, _ALLOWANCE - intercept
 
 
@@ -62,7 +55,7 @@ def linear_law(it: Curves):
     """t_c - t_peak + D against l/|v| of 10 to 80 ms; D = 25 ms + a frame."""
     leads = peak_leads(it, *LOOMS)
     exponent = line_through(jnp.log(jnp.where(leads > 0, leads, jnp.nan)), np.log(_SPEEDS))[0]
-    rest = line_through(leads)[2]
+    rest = line_through(leads, _SPEEDS)[2]
     spread = jnp.sum((leads - jnp.mean(leads)) ** 2)
     return exponent, jnp.sqrt(jnp.mean(rest**2)), 1 - jnp.sum(rest**2) / jnp.where(spread > 0, spread, jnp.nan)
 

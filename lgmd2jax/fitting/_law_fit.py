@@ -11,6 +11,7 @@ from scipy.optimize import least_squares
 
 from lgmd2jax._looming_law import LoomingLaw, course
 from lgmd2jax._observation import Observation
+from lgmd2jax._peaks import line_through, vertex
 from lgmd2jax._target import Channel, Target
 from lgmd2jax.fitting._curve import Curve, variance_explained
 from lgmd2jax.fitting._validation import leave_one_out
@@ -113,13 +114,10 @@ def check_approaches(pairs: Pairs) -> None:
 def _peak_time(time: np.ndarray, values: np.ndarray) -> float:
     """The vertex of the parabola through the largest value and its neighbours."""
     i = int(np.clip(np.argmax(values), 1, len(values) - 2))
-    before, at, after = values[i - 1 : i + 2]
-    bend = before - 2 * at + after
-    part = 0.5 * (before - after) / bend if bend < 0 else 0.0
-    return float(time[i] + np.clip(part, -0.5, 0.5) * (time[1] - time[0]))
+    return float(time[i] + vertex(*values[i - 1 : i + 2]) * (time[1] - time[0]))
 
 
 def _line(speeds: np.ndarray, peak_times: np.ndarray) -> PeakLine:
-    alpha, intercept = np.polyfit(speeds, -peak_times, 1)
-    rest, spread = -peak_times - alpha * speeds - intercept, peak_times - peak_times.mean()
+    alpha, intercept, rest = line_through(-peak_times, speeds)
+    spread = peak_times - peak_times.mean()
     return PeakLine(float(alpha), float(-intercept), float(1 - np.sum(rest**2) / np.sum(spread**2)))

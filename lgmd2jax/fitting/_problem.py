@@ -12,6 +12,7 @@ import numpy as np
 from jax.tree_util import Partial
 from jaxtyping import Array, Bool, Float
 
+from lgmd2jax._batching import each
 from lgmd2jax._network import Network, channels, potentials
 from lgmd2jax._observation import Observation
 from lgmd2jax._target import Target
@@ -93,7 +94,7 @@ class Problem(eqx.Module):
         """MP and F of every condition: all that the cell sees."""
 
         def one(batch: Batch):
-            return jax.lax.map(lambda it: potentials(model, *it)[:2], (batch.frames, batch.interval))
+            return each(lambda it: potentials(model, *it)[:2], (batch.frames, batch.interval))
 
         return tuple(one(batch) for batch in self.batches)
 

@@ -4,6 +4,7 @@ import dataclasses
 import json
 import logging
 import math
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -50,8 +51,9 @@ def test_what_cannot_be_shown_is_refused(model, message):
 
 
 def test_misuse_is_refused(untyped):
+    name: Any = "lgmd2"
     with pytest.raises(ValueError, match="give an LGMD2 or a Fit"):
-        lgmd.characterise("lgmd2")  # pyright: ignore[reportArgumentType]
+        lgmd.characterise(name)
     with pytest.raises(ValueError, match="without a fit"):
         lgmd.characterise(MODEL, key=jax.random.key(0))
     batch = jax.vmap(lambda theta: lgmd.Parameters(theta1=theta))(jnp.zeros(3))

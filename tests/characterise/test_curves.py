@@ -19,7 +19,8 @@ from lgmd2jax._characterise._curves import (
     second_rise,
 )
 from lgmd2jax._characterise._exam import Exam
-from lgmd2jax._characterise._rows_looming import LOOMS, law_of_peaks, line_through, peak_leads
+from lgmd2jax._characterise._rows_looming import LOOMS, law_of_peaks, peak_leads
+from lgmd2jax._peaks import line_through
 from tests.characterise.signals import EYE, curves, eta
 
 
@@ -118,7 +119,7 @@ def test_the_looming_law_comes_back(alpha, delta):
     found = jax.jit(law_of_peaks)(it)
     assert float(found[0]) == pytest.approx(alpha, abs=0.02)
     assert float(found[1]) == pytest.approx(delta, abs=1.2)
-    assert np.abs(line_through(peak_leads(it, *LOOMS))[2]).max() < 1.0
+    assert np.abs(line_through(peak_leads(it, *LOOMS), np.array(trials.L_OVER_V))[2]).max() < 1.0
 
 
 def test_stacks_of_unequal_length_hold_no_more_than_their_curves():

@@ -71,6 +71,13 @@ def test_shipped_recipes_load(name):
     assert load_sweep_recipe(name).value in ("peak", "integral")
 
 
+def test_the_thresholds_drawn_are_those_of_the_network(recipe):
+    surface = RECIPE.replace("[parameters]\ntheta1 = [0, 1, 2]\n", "").replace('index = "contrast"', "")
+    for name, levels in (("lgmd2", {"1 spike": 0.78, "2 spikes": 0.88}), ("yue_rind", {"1 spike": 0.86})):
+        recipe.write_text(f'model = "preset:{name}"\n{surface}')
+        assert load_sweep_recipe(recipe).thresholds() == pytest.approx(levels)
+
+
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
@@ -82,6 +89,7 @@ def test_shipped_recipes_load(name):
         ("count = 3", "count = 0", "write { from = 5, to = 80, count = 20 }"),
         ("[-0.9, 0.2]", "[-0.9, nan]", "contrast holds nan"),
         ("[-0.9, 0.2]", "[]", "contrast has shape (0,)"),
+        ("[parameters]\ntheta1 = [0, 1, 2]", "[[parameters]]", "write it as a table [parameters]"),
         ('"peak"', '"peek"', "figure: value is 'peek'; choose 'peak'"),
         ('index = "contrast"', 'index = "theta1"', "which is no axis of two values"),
         ('index = "contrast"', "", "figure: the axes are theta1, contrast, l_over_v"),

@@ -1,0 +1,22 @@
+"""When a sampled curve peaks between its samples, and the line that peak times follow. For NumPy and for JAX."""
+
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+
+def vertex(before, at, after) -> Array:
+    """Where the parabola through a peak and its neighbours is highest, in samples from the peak: -1/2 to 1/2."""
+    bend = before - 2 * at + after
+    place = 0.5 * (before - after) / jnp.where(bend < 0, bend, -1)
+    return jnp.where(bend < 0, jnp.clip(place, -0.5, 0.5), 0)
+
+
+def line_through(y: Float[Array | np.ndarray, " place"], x: Float[np.ndarray, " place"]) -> tuple[Any, Any, Any]:
+    """Slope, intercept and residuals of the straight line by least squares."""
+    centred = x - x.mean()
+    slope = (y * centred).sum() / (centred**2).sum()
+    intercept = y.mean() - slope * x.mean()
+    return slope, intercept, y - slope * x - intercept
