@@ -2,6 +2,9 @@
 
 Each family is called as `family(eye, *, ...)` and returns a `Stimulus`. Numbers may be traced, so that a family jits,
 vmaps and differentiates; what shapes the result (window, names, number of checks) is plain Python.
+
+`encounters(eye, key, count)` draws clips by chance from these families, as a camera delivers them: collisions of dark
+objects with the time to contact, and as many clips without one.
 """
 
 from lgmd2jax.stimuli._approach import (
@@ -24,6 +27,12 @@ from lgmd2jax.stimuli._distance import (
     Tabulated as Tabulated,
 )
 from lgmd2jax.stimuli._elongation import elongating as elongating, shortening as shortening
+from lgmd2jax.stimuli._encounter import (
+    ENCOUNTERS as ENCOUNTERS,
+    Encounter as Encounter,
+    encounter as encounter,
+    encounters as encounters,
+)
 from lgmd2jax.stimuli._family import FAMILIES as FAMILIES
 from lgmd2jax.stimuli._grating import grating as grating
 from lgmd2jax.stimuli._luminance import luminance as luminance

@@ -48,7 +48,7 @@ def read(image) -> Float[Array, "height width"]:
     return jnp.asarray(image, dtype=float)
 
 
-@functools.lru_cache(maxsize=8)
+@functools.lru_cache(maxsize=16)
 def _load(name: str) -> np.ndarray:
     if name in PHOTOGRAPHS:
         path = pathlib.Path(skimage.__file__).parent / "data" / PHOTOGRAPHS[name]
