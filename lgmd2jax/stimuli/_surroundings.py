@@ -4,7 +4,7 @@ import numpy as np
 from jaxtyping import Float
 
 from lgmd2jax.stimuli import _texture as texture
-from lgmd2jax.stimuli._background import Background, Photograph, Uniform
+from lgmd2jax.stimuli._background import Photograph
 
 _PIECE = 240, 320  # texels; one size and the photograph's place in it by chance: shapes would compile anew
 _PLAIN = 0.3  # share of surroundings without any texture
@@ -13,10 +13,10 @@ _DRIFT = 8.0  # deg/s, the fastest behind an object
 _CONTRAST = 0.1, 0.5  # of a photograph: standard deviation by mean
 
 
-def surroundings(chance: np.random.Generator, levels: tuple[float, float]) -> Background:
-    """What an object is seen against, of a mean grey level in a range; half of the photographs drift slowly."""
+def surroundings(chance: np.random.Generator, levels: tuple[float, float]) -> float | Photograph:
+    """What an object is seen against: a grey level in a range, or a photograph of such a mean, half of which drift."""
     if chance.random() < _PLAIN:
-        return Uniform(chance.uniform(*levels))
+        return chance.uniform(*levels)
     speed = 0.0 if chance.random() < _STILL else chance.uniform(0, _DRIFT)
     return Photograph(piece(chance, levels), speed=speed, direction=chance.uniform(0, 360))
 

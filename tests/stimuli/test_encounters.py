@@ -1,0 +1,172 @@
+"""Clips by chance: time to contact by what is seen, as many collisions as asked, the same for the same key."""
+
+import collections
+
+import jax
+import numpy as np
+import pytest
+
+from lgmd2jax import Eye, stimuli
+from lgmd2jax.stimuli import _coverage as coverage
+
+EYE = Eye.from_field_of_view(36, 64, 70.0, 30.0, "pinhole")
+KEY = jax.random.key(3)
+
+
+@pytest.fixture(scope="module")
+def drawn():
+    """Clips of every kind, and how often a disc's drawing was traced for them."""
+    traces = []
+    with pytest.MonkeyPatch.context() as patch:
+        disc = coverage.disc
+        patch.setattr(coverage, "disc", lambda *args: traces.append(args) or disc(*args))
+        return list(stimuli.encounters(EYE, KEY, 36)), len(traces)
+
+
+@pytest.fixture(scope="module")
+def clips(drawn):
+    return drawn[0]
+
+
+@pytest.fixture(scope="module")
+def of(clips):
+    groups = collections.defaultdict(list)
+    for clip in clips:
+        groups[clip.kind].append(clip)
+    return groups
+
+
+def test_half_are_collisions_and_the_other_kinds_come_equally_often(of):
+    assert {kind: len(clips) for kind, clips in of.items()} == {
+        kind: 18 if kind == "collision" else 3 for kind in stimuli.ENCOUNTERS
+    }
+
+
+def test_clips_are_in_8_bits_from_0_ms_on(clips):
+    for clip in clips:
+        frames = np.asarray(clip.stimulus.frames)
+        assert frames.shape == (90, 36, 64)
+        assert np.array_equal(frames, np.rint(frames))
+        assert frames.min() >= 0
+        assert frames.max() <= 255
+        assert np.allclose(clip.stimulus.time, np.arange(90) / 30 * 1000)
+
+
+def test_hundreds_of_clips_compile_little(drawn):
+    assert drawn[1] <= 4  # before a plain or a textured ground, on its way in depth or across
+
+
+def test_collisions_end_shortly_before_contact_with_a_dark_object_seen_large(of):
+    for clip in of["collision"]:
+        assert 100 <= clip.time_to_contact_ms[-1] < 500
+        assert -0.9 <= clip.stimulus.parameters["contrast"] <= -0.4
+        assert clip.stimulus.courses["full_angle_deg"][-1] >= 25 - 1e-6
+
+
+def test_time_to_contact_is_that_of_the_growing_angle(of):
+    """The half angle's tangent by its rate of growth, from pairs of frames (Hoyle 1957; Lee 1976)."""
+    for clip in of["collision"]:
+        distance = 1 / np.tan(np.radians(np.asarray(clip.stimulus.courses["full_angle_deg"])) / 2)
+        closing = -np.diff(distance) / np.diff(np.asarray(clip.stimulus.time))
+        assert np.allclose(distance[1:] / closing, clip.time_to_contact_ms[1:], rtol=1e-6)
+        assert np.allclose(distance[:-1] / closing, clip.time_to_contact_ms[:-1], rtol=1e-6)
+
+
+def test_time_to_contact_is_that_of_the_measured_area(clips):
+    """Under a pinhole one over the side of an image falls in a straight line to zero at contact."""
+    plain = [clip for clip in clips if clip.kind == "collision" and "background" in clip.stimulus.parameters]
+    assert len(plain) >= 3
+    for clip in plain:
+        angle, frames = (np.asarray(x) for x in (clip.stimulus.courses["full_angle_deg"], clip.stimulus.frames))
+        whole = (angle > 8) & (angle < 16)
+        halfway = clip.stimulus.parameters["background"] * (1 + clip.stimulus.parameters["contrast"] / 2)
+        side = np.sqrt(np.sum(frames[whole] < float(halfway), axis=(1, 2)))
+        slope, offset = np.polyfit(np.asarray(clip.stimulus.time)[whole], 1 / side, 1)
+        assert -offset / slope == pytest.approx(clip.time_to_contact_ms[0], rel=0.05)
+
+
+def test_what_is_no_collision_has_no_time_to_contact(clips):
+    for clip in clips:
+        if clip.kind != "collision":
+            assert np.all(clip.time_to_contact_ms == np.inf)
+
+
+def test_kinds_are_what_they_are_called(of):
+    for clip in of["near miss"]:
+        distance = 1 / np.tan(np.radians(np.asarray(clip.stimulus.courses["full_angle_deg"])) / 2)
+        assert distance.min() >= 2 - 1e-6  # half-sizes
+        assert distance.min() < distance[0] / 1.5
+    for clip in of["recession"]:
+        angle = np.asarray(clip.stimulus.courses["full_angle_deg"])
+        assert np.all(np.diff(angle) <= 1e-9)
+        assert angle[-1] < angle[0] / 2
+    for clip in of["light approach"]:
+        angle, level = (
+            np.asarray(clip.stimulus.courses["full_angle_deg"]),
+            np.asarray(clip.stimulus.frames).mean((1, 2)),
+        )
+        assert angle[-1] >= 25 - 1e-6
+        assert level[-1] > level[0] + 1
+
+
+def test_every_clip_moves(clips):
+    for clip in clips:
+        frames = np.asarray(clip.stimulus.frames)
+        blocks = frames.reshape(90, 9, 4, 16, 4).mean((2, 4))
+        light = blocks.mean((1, 2), keepdims=True)
+        assert np.ptp(blocks / light, axis=0).max() > 0.3  # noise makes 0.1 of it
+
+
+def test_the_same_key_is_the_same_clip_to_the_bit():
+    first, again, other = (stimuli.encounter(EYE, jax.random.key(seed)) for seed in (5, 5, 6))
+    named = stimuli.encounter(EYE, jax.random.key(5), kind=first.kind)
+    for clip in (again, named):
+        assert clip.kind == first.kind
+        assert np.array_equal(clip.stimulus.frames, first.stimulus.frames)
+        assert np.array_equal(clip.time_to_contact_ms, first.time_to_contact_ms)
+    assert not np.array_equal(other.stimulus.frames, first.stimulus.frames)
+
+
+def test_a_clip_is_the_same_whatever_the_count(clips):
+    for count in (1, 2, 5):
+        some = list(stimuli.encounters(EYE, KEY, count))
+        assert [clip.kind for clip in some].count("collision") == count // 2
+        for clip, known in zip(some[: count // 2 * 2], clips, strict=False):
+            assert np.array_equal(clip.stimulus.frames, known.stimulus.frames)
+
+
+def test_half_are_collisions_where_the_kind_is_drawn(monkeypatch):
+    monkeypatch.setattr(stimuli._encounter, "camera", lambda seen, *_, **__: seen)
+    blank = stimuli.luminance(EYE, start_ms=0, end_ms=2967)
+    monkeypatch.setattr(stimuli._encounter, "KINDS", dict.fromkeys(stimuli.ENCOUNTERS, lambda _: blank))
+    kinds = collections.Counter(stimuli.encounter(EYE, jax.random.key(seed)).kind for seed in range(400))
+    assert kinds["collision"] == pytest.approx(200, abs=40)
+    assert all(kinds[kind] == pytest.approx(400 / 12, abs=20) for kind in stimuli.ENCOUNTERS if kind != "collision")
+
+
+@pytest.mark.parametrize("fps", [4.0, 24.0, 200.0])
+def test_frame_rates_and_durations_are_kept(fps):
+    eye = Eye(rows=12, cols=20, degrees_per_pixel=5.0, fps=fps)
+    clip = stimuli.encounter(eye, KEY, kind="collision", duration_ms=1000)
+    assert clip.stimulus.frames.shape == (fps, 12, 20)
+    assert 100 <= clip.time_to_contact_ms[-1] < 500
+    assert np.allclose(np.diff(clip.time_to_contact_ms), -1000 / fps)
+
+
+BAD = {
+    "kind": (lambda: stimuli.encounter(EYE, KEY, kind="colision"), "kind is 'colision'; choose 'collision' or"),
+    "duration": (lambda: stimuli.encounter(EYE, KEY, duration_ms=0), "duration_ms is 0 ms; give a positive number"),
+    "short": (lambda: stimuli.encounter(EYE, KEY, duration_ms=40), "duration_ms is 40 at 30 fps"),
+    "slow": (lambda: stimuli.encounter(Eye(9, 9, 5.0, 2.0), KEY), "fps is 2"),
+    "pixels": (lambda: stimuli.encounter(Eye(9, 9, None, 30.0), KEY), "known in pixels alone"),
+    "count": (lambda: stimuli.encounters(EYE, KEY, 0), "count is 0; give a whole number"),
+    "clips' duration": (lambda: stimuli.encounters(EYE, KEY, 2, duration_ms=-1), "duration_ms is -1"),
+}
+
+
+@pytest.mark.usefixtures("untyped")
+@pytest.mark.parametrize(("make", "message"), BAD.values(), ids=BAD)
+def test_misuse_is_refused_in_one_line(make, message):
+    with pytest.raises(ValueError, match=message) as error:
+        make()
+    assert "\n" not in str(error.value)
