@@ -7,6 +7,7 @@ hundreds of clips share a dozen compiled renderers.
 import dataclasses
 import math
 from collections.abc import Callable
+from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
@@ -50,7 +51,7 @@ class Take:
         """A number between two, its logarithm uniform."""
         return math.exp(self.chance.uniform(math.log(low), math.log(high)))
 
-    def window(self, last: float | int) -> dict[str, float]:
+    def window(self, last: float | int) -> dict[str, Any]:
         """That of the frames up to the one that is the `last`-th after the event."""
         last = round(last)
         return {"start_ms": (last - self.frames + 1) * 1000 / self.eye.fps, "end_ms": last * 1000 / self.eye.fps}
@@ -64,20 +65,20 @@ class Take:
         """A direction in the field, in degrees."""
         return self.chance.uniform(0, 360)
 
-    def place(self, heading: float) -> dict[str, float]:
+    def place(self, heading: float) -> dict[str, Any]:
         """A place off the middle to some side."""
         height, width = self.eye.field_of_view
         share, heading = self.chance.uniform(0, _OFF_CENTRE), math.radians(heading)
         return {"azimuth": share * width * math.cos(heading), "elevation": share * height * math.sin(heading)}
 
-    def object(self, light: bool) -> dict:
+    def object(self, light: bool) -> dict[str, Any]:
         """A look, and surroundings in which it is possible."""
         ground = surroundings(self.chance, _DIM if light else _LEVELS)
         dark, bright = self.chance.uniform(*_DARK), self.log(*_LIGHT)
         contrast = min(bright, _NEARLY_WHITE / float(behind(ground).mean_level) - 1) if light else dark
         return {"contrast": contrast, "background": ground, "shape": str(self.chance.choice(SHAPES))}
 
-    def passing_object(self) -> dict:
+    def passing_object(self) -> dict[str, Any]:
         return self.object(light=self.chance.random() < _LIGHT_SHARE)
 
 

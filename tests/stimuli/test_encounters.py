@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from lgmd2jax import Eye, stimuli
-from lgmd2jax.stimuli import _coverage as coverage
+from lgmd2jax.stimuli import _coverage as coverage, _encounter
 
 EYE = Eye.from_field_of_view(36, 64, 70.0, 30.0, "pinhole")
 KEY = jax.random.key(3)
@@ -67,7 +67,7 @@ def test_time_to_contact_is_that_of_the_growing_angle(of):
     """The half angle's tangent by its rate of growth, from pairs of frames (Hoyle 1957; Lee 1976)."""
     for clip in of["collision"]:
         distance = 1 / np.tan(np.radians(np.asarray(clip.stimulus.courses["full_angle_deg"])) / 2)
-        closing = -np.diff(distance) / np.diff(np.asarray(clip.stimulus.time))
+        closing = -np.diff(distance) / np.diff(np.asarray(clip.stimulus.time, float))
         assert np.allclose(distance[1:] / closing, clip.time_to_contact_ms[1:], rtol=1e-6)
         assert np.allclose(distance[:-1] / closing, clip.time_to_contact_ms[:-1], rtol=1e-6)
 
@@ -136,9 +136,9 @@ def test_a_clip_is_the_same_whatever_the_count(clips):
 
 
 def test_half_are_collisions_where_the_kind_is_drawn(monkeypatch):
-    monkeypatch.setattr(stimuli._encounter, "camera", lambda seen, *_, **__: seen)
+    monkeypatch.setattr(_encounter, "camera", lambda seen, *_, **__: seen)
     blank = stimuli.luminance(EYE, start_ms=0, end_ms=2967)
-    monkeypatch.setattr(stimuli._encounter, "KINDS", dict.fromkeys(stimuli.ENCOUNTERS, lambda _: blank))
+    monkeypatch.setattr(_encounter, "KINDS", dict.fromkeys(stimuli.ENCOUNTERS, lambda _: blank))
     kinds = collections.Counter(stimuli.encounter(EYE, jax.random.key(seed)).kind for seed in range(400))
     assert kinds["collision"] == pytest.approx(200, abs=40)
     assert all(kinds[kind] == pytest.approx(400 / 12, abs=20) for kind in stimuli.ENCOUNTERS if kind != "collision")
