@@ -103,7 +103,7 @@ def _approach(take: Take, light: bool) -> Stimulus:
 def _near_miss(take: Take) -> Stimulus:
     """From one side of the field to the other, growing, up to a frame about when it passes the eye."""
     half_size = take.half_size(_FASTEST_MS, _SLOWEST_MS / 2)
-    end = take.chance.uniform(-300, 500)
+    end = take.chance.uniform(-600, 300)  # ms after it is beside the eye
     start_angle = _angle_before(take.length_ms - end, half_size)
     heading = take.heading()
     return looming(
