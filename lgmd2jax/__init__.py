@@ -1,6 +1,6 @@
 """The LGMD2 collision detector of juvenile locusts, differentiable in JAX: `import lgmd2jax as lgmd`."""
 
-from lgmd2jax import fitting as fitting, stimuli as stimuli
+from lgmd2jax import alarms as alarms, fitting as fitting, stimuli as stimuli
 from lgmd2jax._ablation import ABLATIONS as ABLATIONS, ablate as ablate
 from lgmd2jax._characterise import (
     Characterisation as Characterisation,

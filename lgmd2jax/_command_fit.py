@@ -1,16 +1,17 @@
 """`lgmd2jax fit RECIPE`: from target curves to a model that a robot runs."""
 
 import argparse
-import datetime
-import platform
 import time
+from pathlib import Path
 
 import jax
 
+from lgmd2jax import _command_fit_alarms
+from lgmd2jax._catalogue import locate
+from lgmd2jax._files import read_toml
 from lgmd2jax._folder import check_folder
-from lgmd2jax._memory import FileMemory
 from lgmd2jax._recipe import Recipe, load_recipe
-from lgmd2jax._recipe_argument import add_recipe, folder_of
+from lgmd2jax._recipe_argument import add_recipe, folder_of, made_now, starts_of
 from lgmd2jax._results import MARKER, save_fit
 from lgmd2jax.fitting import Fit
 from lgmd2jax.fitting._descent import STOPPED
@@ -23,6 +24,8 @@ examples:
   lgmd2jax fit mine.toml              one of your own: results in mine/ beside mine.toml
   lgmd2jax fit mine.toml -o tonight   results in tonight/
   lgmd2jax fit mine.toml --resume     go on where a fit was stopped or killed
+  lgmd2jax fit video                  alarms on labelled clips instead of curves: in time, else silence
+  lgmd2jax fit video --clips my.toml  recorded clips with their labels beside the rendered ones
 
 Ctrl-C ends the search and writes the best so far. The folder then holds
   model.json        the fitted model with hard thresholds, to be handed over: see lgmd2jax/hard.py
@@ -45,17 +48,34 @@ def add(commands) -> None:
     )
     add_recipe(parser)
     parser.add_argument("--resume", action="store_true", help="keep the starts that an earlier run has finished")
+    parser.add_argument(
+        "--clips",
+        type=Path,
+        metavar="FILE",
+        help="for a recipe of kind 'alarms': labelled clips of your own beside its",
+    )
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> None:
+    """Make the fit of this kind of recipe."""
+    kind = read_toml(locate(options.recipe, "fits")).get("kind")
+    if kind == _command_fit_alarms.KIND:
+        _command_fit_alarms.run(options)
+        return
+    if options.clips is not None:
+        raise ValueError(f"--clips is for a recipe of kind 'alarms'; that of {options.recipe} is {kind or 'fit'!r}")
+    _fit_curves(options)
+
+
+def _fit_curves(options: argparse.Namespace) -> None:
     """Make the fit, write its folder, and print the report."""
     began = time.monotonic()
     recipe = load_recipe(options.recipe)
     folder = folder_of(options, recipe.name)
     check_folder(folder, MARKER)
     digest = recipe.digest()
-    memory = FileMemory(folder.absolute().with_name(f".{folder.absolute().name}.starts.jsonl"), digest, options.resume)
+    memory = starts_of(folder, digest, options.resume)
     print(f"fitting {', '.join(recipe.free.names)} to {len(recipe.pairs)} conditions of {recipe.name}", flush=True)
     fit = recipe.run(progress=True, memory=memory)
     stopped = fit.result == STOPPED
@@ -63,12 +83,7 @@ def run(options: argparse.Namespace) -> None:
     made = {
         "recipe": recipe.table,
         "digest": digest,
-        "made": {
-            "date": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
-            "seconds": round(time.monotonic() - began, 1),
-            "python": platform.python_version(),
-            "machine": f"{platform.system()} {platform.machine()}",
-        },
+        "made": made_now(began),
     }
     provenance = {"recipe": recipe.name, "seed": recipe.seed, "digest": digest}
     draws = None if stopped or not recipe.samples else fit.sample(jax.random.key(recipe.seed), recipe.samples)

@@ -3,7 +3,6 @@
 import argparse
 import contextlib
 import csv
-import re
 import sys
 import time
 from collections.abc import Iterable, Iterator
@@ -20,7 +19,7 @@ from lgmd2jax._overlay import Overlay, video_writer
 from lgmd2jax._repeats import RULE
 from lgmd2jax._snapshots import Snapshots
 from lgmd2jax._trace import Row, Trace
-from lgmd2jax._video import Clip, Frame, open_clip
+from lgmd2jax._video import Clip, Frame, open_clip, window_of
 
 _EXAMPLES = """\
 examples:
@@ -73,7 +72,7 @@ def run(options: argparse.Namespace) -> None:
     _check_outputs(options.clip, outputs)
     check_figure_path(figure)
     model = with_parameters(model_named(options.model), options.set)
-    crop = None if options.crop is None else _window(options.crop)
+    crop = None if options.crop is None else window_of(options.crop)
     clip = open_clip(options.clip, fps=options.fps, crop=crop, resize=options.resize)
     if model.eye is not None and abs(clip.fps / model.eye.fps - 1) > 0.01:
         print(
@@ -170,11 +169,3 @@ def _check_outputs(clip: Path, outputs: list[Path]) -> None:
     for place in places:
         if places.count(place) > 1:
             raise ValueError(f"{place.name} is named twice; clip, table, figure and overlay need names of their own")
-
-
-def _window(text: str) -> tuple[slice, slice]:
-    match = re.fullmatch(r"(\d*):(\d*),(\d*):(\d*)", text.replace(" ", ""))
-    if match is None:
-        raise ValueError(f"crop is {text!r}; write TOP:BOTTOM,LEFT:RIGHT in pixels, such as 20:200,36:397 or :,36:397")
-    top, bottom, left, right = (int(edge) if edge else None for edge in match.groups())
-    return slice(top, bottom), slice(left, right)

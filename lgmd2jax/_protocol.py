@@ -98,6 +98,8 @@ def load_protocol(source: str | Path) -> Protocol:
 
 
 def _protocol(path: Path, document: dict[str, Any]) -> Protocol:
+    if {"clip", "rendered"} & document.keys():
+        raise ValueError("it holds labelled clips, for recipes of kind 'alarms': see lgmd2jax.alarms.load_footage")
     return Protocol(path.stem, _conditions(document, path.parent.resolve()))
 
 

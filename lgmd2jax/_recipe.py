@@ -12,6 +12,7 @@ import numpy as np
 
 from lgmd2jax._arguments import check_keys, section
 from lgmd2jax._catalogue import read_named
+from lgmd2jax._eye import Eye
 from lgmd2jax._model import LGMD2
 from lgmd2jax._observation import Observation, observation_symbols
 from lgmd2jax._parameters import preset, symbols
@@ -110,7 +111,7 @@ def _recipe(path: Path, table: dict[str, Any]) -> Recipe:
     uncertainty, validation = section(table, "uncertainty"), section(table, "validation")
     check_keys(uncertainty, ("absolute_errors", "profile", "samples"))
     check_keys(validation, ("leave_one_out", "looming_law"))
-    free = Free(**{name: _choice(name, limits) for name, limits in section(table, "free").items()})
+    free = free_of(table)
     profile, truth = tuple(uncertainty.get("profile", ())), section(table, "truth")
     for name in (*profile, *truth):
         if name not in free.names:
@@ -121,7 +122,7 @@ def _recipe(path: Path, table: dict[str, Any]) -> Recipe:
         check_approaches(pairs)
     return Recipe(
         name=path.stem,
-        model=_model(table, protocol.conditions[0].eye),
+        model=model_of(table, protocol.conditions[0].eye),
         observation=Observation(**section(table, "observation", observation_symbols())),
         free=free,
         pairs=pairs,
@@ -136,7 +137,13 @@ def _recipe(path: Path, table: dict[str, Any]) -> Recipe:
     )
 
 
-def _model(table: Mapping[str, Any], eye) -> LGMD2:
+def free_of(table: Mapping[str, Any]) -> Free:
+    """What the section [free] says."""
+    return Free(**{name: _choice(name, limits) for name, limits in section(table, "free").items()})
+
+
+def model_of(table: Mapping[str, Any], eye: Eye) -> LGMD2:
+    """The model that preset, [parameters] and [structure] name."""
     parameters = preset(table.get("preset", "lgmd2"), **section(table, "parameters", symbols()))
     thresholds = Soft(table["temperature"]) if "temperature" in table else Hard()
     return LGMD2(parameters, thresholds, eye=eye, **section(table, "structure", _STRUCTURE))

@@ -1,9 +1,14 @@
-"""A recipe on the command line, and the folder of its results."""
+"""A recipe on the command line, and what its results and its unfinished work are kept in."""
 
 import argparse
+import datetime
+import platform
+import time
 from pathlib import Path
+from typing import Any
 
 from lgmd2jax._catalogue import results_folder
+from lgmd2jax._memory import FileMemory
 
 
 def add_recipe(parser: argparse.ArgumentParser) -> None:
@@ -17,3 +22,19 @@ def add_recipe(parser: argparse.ArgumentParser) -> None:
 def folder_of(options: argparse.Namespace, name: str) -> Path:
     """Where the results of the recipe of this name go."""
     return options.output or results_folder(options.recipe) / name
+
+
+def starts_of(folder: Path, digest: str, resume: bool) -> FileMemory:
+    """What a fit has finished so far, in a hidden file beside the folder of its results."""
+    place = folder.absolute()
+    return FileMemory(place.with_name(f".{place.name}.starts.jsonl"), digest, resume)
+
+
+def made_now(began: float) -> dict[str, Any]:
+    """When and on what a result was made, for fit.json. `began`: by `time.monotonic`."""
+    return {
+        "date": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+        "seconds": round(time.monotonic() - began, 1),
+        "python": platform.python_version(),
+        "machine": f"{platform.system()} {platform.machine()}",
+    }

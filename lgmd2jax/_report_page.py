@@ -5,9 +5,6 @@ from collections.abc import Sequence
 from html import escape
 from pathlib import Path
 
-from lgmd2jax.fitting import Fit
-from lgmd2jax.fitting._report import Extra, html
-
 _STYLE = """
 :root { color-scheme: light dark; }
 body { font: 15px/1.45 system-ui, sans-serif; max-width: 75rem; margin: 2rem auto; padding: 0 1rem; }
@@ -17,9 +14,9 @@ table { font-variant-numeric: tabular-nums; }
 """
 
 
-def report_page(fit: Fit, name: str, figures: Sequence[Path], extra: Extra | None = None) -> str:
-    """The page: the figures, PNG files, and the report below them. It asks for nothing from elsewhere."""
-    title = escape(f"Fit {name}")
+def report_page(title: str, figures: Sequence[Path], report: str) -> str:
+    """The page: the figures, PNG files, and the report, HTML, below them. It asks for nothing from elsewhere."""
+    title = escape(title)
     pictures = "\n".join(
         f'<figure><img alt="{escape(path.stem)} of {title}" src="data:image/png;base64,{_base64(path)}"></figure>'
         for path in figures
@@ -36,7 +33,7 @@ def report_page(fit: Fit, name: str, figures: Sequence[Path], extra: Extra | Non
 <h1>{title}</h1>
 {pictures}
 <h2>Report</h2>
-{html(fit, extra)}
+{report}
 </body>
 </html>
 """

@@ -16,7 +16,7 @@ from lgmd2jax._posterior_file import write_posterior
 from lgmd2jax._target import Channel
 from lgmd2jax.fitting import Curve, Fit
 from lgmd2jax.fitting._posterior import Posterior
-from lgmd2jax.fitting._report import Extra
+from lgmd2jax.fitting._report import Extra, html
 
 MARKER = "fit.json"
 OWN = (
@@ -70,7 +70,7 @@ def save_fit(
             units = {it.name: it.symbol.unit for it in fit.free.freedoms}
             statistics = {name: np.asarray(getattr(draws, name)) for name in _STATISTICS}
             write_posterior(new / "posterior.nc", fit.values_of(draws), units, statistics)
-        page = report_page(fit, name, [new / "fit.png", new / "diagnostics.png"], extra)
+        page = report_page(f"Fit {name}", [new / "fit.png", new / "diagnostics.png"], html(fit, extra))
         (new / "report.html").write_text(page, encoding="utf-8")
 
 

@@ -3,6 +3,7 @@
 import dataclasses
 import math
 import os
+import re
 from collections.abc import Callable, Iterable, Iterator
 
 import numpy as np
@@ -152,6 +153,18 @@ def open_clip(
     if min(shape) < 3:
         raise ValueError(f"{name} is {_text(shape)} pixels after crop and resize; the network needs at least 3 x 3")
     return Clip(name, pictures, float(rate), fps is not None, size, window, shape)
+
+
+def window_of(text: str) -> tuple[slice, slice]:
+    """The rows and columns that `TOP:BOTTOM,LEFT:RIGHT` names.
+
+    **Raises:** `ValueError` for another text.
+    """
+    match = re.fullmatch(r"(\d*):(\d*),(\d*):(\d*)", text.replace(" ", ""))
+    if match is None:
+        raise ValueError(f"crop is {text!r}; write TOP:BOTTOM,LEFT:RIGHT in pixels, such as 20:200,36:397 or :,36:397")
+    top, bottom, left, right = (int(edge) if edge else None for edge in match.groups())
+    return slice(top, bottom), slice(left, right)
 
 
 def grey(picture: Picture) -> Float[np.ndarray, "row col"]:

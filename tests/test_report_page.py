@@ -16,7 +16,7 @@ def test_a_page_holds_report_and_figures_and_nothing_else_is_fetched(tmp_path):
         (tmp_path / name).write_bytes(content)
     fit = made(Free(theta2=None), [curve()])
     extra = Extra(left_out={"loom": 0.91})
-    page = report_page(fit, "a < b", [tmp_path / name for name in pictures], extra)
+    page = report_page("Fit a < b", [tmp_path / name for name in pictures], html(fit, extra))
     references = Reader(page).references
     assert [base64.b64decode(it.removeprefix("data:image/png;base64,")) for it in references] == [*pictures.values()]
     assert html(fit, extra) in page

@@ -15,6 +15,7 @@ from jaxtyping import Array, Float
 from lgmd2jax.fitting._bounded import BoundedLevenbergMarquardt
 from lgmd2jax.fitting._problem import Problem
 from lgmd2jax.fitting._search import search_cell
+from lgmd2jax.fitting._space import Space
 
 Solver = optx.AbstractLeastSquaresSolver | optx.AbstractMinimiser
 # Near the hard end the loss is a fine staircase, on which no gradient vanishes: enough when it hardly falls.
@@ -98,7 +99,7 @@ def descend(
 
 
 def solve(
-    problem: Problem,
+    problem: Space,
     z: Float[np.ndarray, " free"],
     temperature: float,
     solver: Solver,
@@ -159,14 +160,14 @@ def _unbound(solver: Solver, z: Float[Array, " free"]) -> Float[Array, " free"]:
 
 
 @eqx.filter_jit
-def _begin(solver: Solver, problem: Problem, temperature: Float[Array, ""], y: Float[Array, " free"]):
+def _begin(solver: Solver, problem: Space, temperature: Float[Array, ""], y: Float[Array, " free"]):
     fn, args = _fn(solver), (problem, temperature, solver)
     out, _ = eqx.filter_eval_shape(fn, y, args)
     return solver.init(fn, y, args, {}, out, None, frozenset())
 
 
 @eqx.filter_jit
-def _step(solver: Solver, problem: Problem, temperature: Float[Array, ""], y: Float[Array, " free"], state):
+def _step(solver: Solver, problem: Space, temperature: Float[Array, ""], y: Float[Array, " free"], state):
     fn, args = _fn(solver), (problem, temperature, solver)
     y, state, _ = solver.step(fn, y, args, {}, state, frozenset())
     done, result = solver.terminate(fn, y, args, {}, state, frozenset())

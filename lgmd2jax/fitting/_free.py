@@ -122,6 +122,13 @@ class Free:
         free._resolve(self._choices, kind)
         return free
 
+    def also(self, **choices: "tuple[float | int, float | int] | _Range | Tie | None") -> "Free":
+        """These and further choices.
+
+        **Raises:** `ValueError` as the class itself.
+        """
+        return Free(**{**self._choices, **choices})
+
     def __len__(self):
         return len(self.freedoms)
 

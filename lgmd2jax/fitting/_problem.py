@@ -1,6 +1,5 @@
 """What a fit minimises: the differences between curves and targets, as a function of a point in the unit box."""
 
-import dataclasses
 from collections import Counter
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -16,9 +15,9 @@ from lgmd2jax._batching import each
 from lgmd2jax._network import Network, channels, potentials
 from lgmd2jax._observation import Observation
 from lgmd2jax._target import Target
-from lgmd2jax._thresholds import Hard, Soft, Thresholds
 from lgmd2jax.fitting._free import Free
 from lgmd2jax.fitting._robust import Loss, robust
+from lgmd2jax.fitting._space import Space
 from lgmd2jax.stimuli import Stimulus
 
 # Far beyond any kernel: no smoothing reaches from a frame that a clip has into one that only fills up its batch.
@@ -58,37 +57,12 @@ class Batch(eqx.Module):
     slots: tuple[Slot, ...]
 
 
-class Problem(eqx.Module):
-    """A fit's data and what is free. Two problems of the same shapes share what is compiled.
+class Problem(Space[Network]):
+    """A fit's data and what is free. Two problems of the same shapes share what is compiled."""
 
-    Points `z` lie in the unit box, an entry a free parameter. A temperature of None stands for the model's own
-    thresholds; a number softens them.
-    """
-
-    model: Network
-    observation: Observation
     batches: tuple[Batch, ...]
     places: tuple[tuple[Place, ...], ...] = eqx.field(static=True)
-    free: Free = eqx.field(static=True)
     loss: Loss = eqx.field(static=True, default="squares")
-
-    @property
-    def pixel_indices(self) -> tuple[int, ...]:
-        """The free parameters that the pixels need."""
-        return self.free.indices(*self.model.pixel_parameters)
-
-    @property
-    def cell_indices(self) -> tuple[int, ...]:
-        """The free parameters of the cell and of the observation."""
-        return tuple(i for i in range(len(self.free)) if i not in self.pixel_indices)
-
-    def at(
-        self, z: Float[Array | np.ndarray, " free"], temperature: Float[Array, ""] | None = None
-    ) -> tuple[Network, Observation]:
-        """The model and the observation at a point."""
-        parameters, observation = self.free.insert(self.model.parameters, self.observation, z)
-        thresholds = self.model.thresholds if temperature is None else softened(self.model.thresholds, temperature)
-        return dataclasses.replace(self.model, parameters=parameters, thresholds=thresholds), observation
 
     def potentials(self, model: Network) -> Potentials:
         """MP and F of every condition: all that the cell sees."""
@@ -127,7 +101,7 @@ class Problem(eqx.Module):
 
     def residuals(
         self, z: Float[Array | np.ndarray, " free"], temperature: Float[Array, ""] | None
-    ) -> Float[Array, " n_and_priors"]:
+    ) -> Float[Array, " n"]:
         """All differences, then the penalties of the priors."""
         return self.evaluated(z, temperature)[0]
 
@@ -170,13 +144,6 @@ def _weighed(problem: Problem, temperature: Float[Array, ""], variance: Float[Ar
     return residuals.at[data:].multiply(jnp.sqrt(variance))
 
 
-def softened(thresholds: Thresholds, temperature: Float[Array, ""]) -> Thresholds:
-    """The soft thresholds that approximate these, or these at another temperature."""
-    if isinstance(thresholds, Hard):
-        return Soft(temperature)
-    return eqx.tree_at(lambda it: it.temperature, thresholds, temperature)
-
-
 def problem_of(
     model: Network,
     observation: Observation,
@@ -195,7 +162,7 @@ def problem_of(
         batches.append(batch)
         for row, member in enumerate(members):
             places[member] = tuple(Place(number, slot, row) for slot in slots[row])
-    return Problem(model, observation, tuple(batches), tuple(places), free, loss)
+    return Problem(model, observation, free, tuple(batches), tuple(places), loss)
 
 
 def _batch(members: Sequence[tuple[Stimulus, Sequence[Target]]]) -> tuple[Batch, list[list[int]]]:

@@ -20,10 +20,11 @@ from lgmd2jax.fitting._descent import ENDED, Run
 from lgmd2jax.fitting._free import Free
 from lgmd2jax.fitting._next_stimulus import Candidate, ranked
 from lgmd2jax.fitting._posterior import Posterior, posterior
-from lgmd2jax.fitting._problem import Problem, problem_of, softened, weighed
+from lgmd2jax.fitting._problem import Problem, problem_of, weighed
 from lgmd2jax.fitting._profile import Profile, profile
 from lgmd2jax.fitting._report import Extra, html, text
 from lgmd2jax.fitting._sensitivity import sensitivity
+from lgmd2jax.fitting._space import softened
 from lgmd2jax.fitting._uncertainty import Uncertainty, sentences
 from lgmd2jax.stimuli import Stimulus
 

@@ -1,0 +1,95 @@
+"""A recipe of a fit to labelled clips, read from a TOML file."""
+
+import dataclasses
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import jax
+import numpy as np
+
+from lgmd2jax._arguments import check_keys, section
+from lgmd2jax._catalogue import read_named
+from lgmd2jax._model import LGMD2
+from lgmd2jax._recipe import free_of, model_of
+from lgmd2jax.alarms import AlarmFit, Footage, FootageFile, Rendered, fit, load_footage, rendered
+from lgmd2jax.fitting import Free
+
+KIND = "alarms"
+_KEYS = ("protocol", "kind", "preset", "parameters", "structure", "free", "weights", "solver", "validation")
+_SOLVER = ("pixel_points", "cell_points", "descend", "temperatures", "max_steps", "seed")
+_WEIGHTS = ("miss", "false_alarm")
+
+
+@dataclasses.dataclass(frozen=True)
+class AlarmRecipe:
+    """A fit of alarms to be made: the model, what is free, and the file of labelled clips.
+
+    - `weights`: what it costs to miss a window, and to break a silence.
+    - `validation`: which clips to render, with a seed that the fit does not use, for the score of the report.
+    - `table`: the file's content.
+    """
+
+    name: str
+    model: LGMD2
+    free: Free
+    file: FootageFile
+    weights: Mapping[str, float]
+    solver: Mapping[str, Any]
+    validation: Rendered | None
+    table: Mapping[str, Any]
+
+    @property
+    def seed(self) -> int:
+        """Of the search's random points."""
+        return self.solver.get("seed", 0)
+
+    def run(self, clips: Sequence[Footage], progress: bool = False, memory=None) -> AlarmFit:
+        """Make the fit."""
+        settings = {name: value for name, value in self.solver.items() if name != "seed"}
+        key = jax.random.key(self.seed)
+        return fit(self.model, clips, self.free, key=key, progress=progress, memory=memory, **self.weights, **settings)
+
+    def held_out(self) -> tuple[Footage, ...]:
+        """The clips that the fit does not see."""
+        return tuple(rendered(self.file.eye, self.validation))
+
+    def digest(self, clips: Sequence[Footage]) -> str:
+        """A digest of all that the fit sees: recipe, clips and labels."""
+        seen = hashlib.sha256(json.dumps(self.table, sort_keys=True).encode())
+        for clip in clips:
+            seen.update(repr((clip.fps, clip.windows, clip.silent, clip.contact)).encode())
+            seen.update(np.ascontiguousarray(clip.frames).tobytes() + clip.index.tobytes())
+        return seen.hexdigest()
+
+
+def load_alarm_recipe(source: str | Path) -> AlarmRecipe:
+    """Read a recipe of kind `"alarms"` from a TOML file, or a shipped one by its bare name.
+
+    **Raises:** `ValueError`, which names the file and the key, for what is not such a recipe; `FileNotFoundError`.
+    """
+    return read_named(source, "fits", _recipe)
+
+
+def _recipe(path: Path, table: dict[str, Any]) -> AlarmRecipe:
+    check_keys(table, _KEYS)
+    for key in ("protocol", "free"):
+        if key not in table:
+            raise ValueError(f"{key} is missing")
+    file = load_footage(beside if (beside := path.parent / table["protocol"]).is_file() else table["protocol"])
+    validation = section(table, "validation", [field.name for field in dataclasses.fields(Rendered)])
+    asked = Rendered(**validation) if validation else None
+    if asked is not None and file.rendered is not None and asked.seed == file.rendered.seed:
+        raise ValueError(f"validation has the seed {asked.seed} of the clips that are fitted; give another one")
+    return AlarmRecipe(
+        name=path.stem,
+        model=model_of(table, file.eye),
+        free=free_of(table),
+        file=file,
+        weights=section(table, "weights", _WEIGHTS),
+        solver=section(table, "solver", _SOLVER),
+        validation=asked,
+        table=table,
+    )

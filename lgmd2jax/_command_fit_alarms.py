@@ -1,0 +1,71 @@
+"""`lgmd2jax fit RECIPE` for a recipe of kind "alarms": from labelled clips to a model that a robot runs."""
+
+import argparse
+import dataclasses
+import time
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from tqdm import tqdm
+
+from lgmd2jax._alarm_recipe import KIND as KIND, AlarmRecipe, load_alarm_recipe
+from lgmd2jax._alarm_results import save_alarm_fit
+from lgmd2jax._folder import check_folder
+from lgmd2jax._model import LGMD2
+from lgmd2jax._parameters import preset
+from lgmd2jax._recipe_argument import folder_of, made_now, starts_of
+from lgmd2jax._results import MARKER
+from lgmd2jax.alarms import Footage, load_footage, watch
+from lgmd2jax.alarms._report import Held, text
+
+_ROBOT_T_SP = 0.65  # Table I's range is .65 on the robot to .78 off line
+
+
+def run(options: argparse.Namespace) -> None:
+    """Make the fit, write its folder, and print the report."""
+    began = time.monotonic()
+    recipe = load_alarm_recipe(options.recipe)
+    folder = folder_of(options, recipe.name)
+    check_folder(folder, MARKER)
+    clips = recipe.file.load(_bar)
+    if options.clips is not None:
+        clips += _further(options.clips, recipe)
+    digest = recipe.digest(clips)
+    memory = starts_of(folder, digest, options.resume)
+    wanted = sum(len(clip.windows) for clip in clips)
+    print(f"fitting {', '.join(recipe.free.names)} to {len(clips)} clips with {wanted} alarms wanted", flush=True)
+    if not any(clip.silent for clip in clips):
+        print("no clip has a silence: nothing here speaks against a model that always fires", flush=True)
+    fit = recipe.run(clips, progress=True, memory=memory)
+    held = None if fit.stopped or recipe.validation is None else _held(recipe, fit.model)
+    provenance = {"recipe": recipe.name, "seed": recipe.seed, "digest": digest}
+    made: dict[str, Any] = {"recipe": recipe.table, "digest": digest, "made": made_now(began)}
+    save_alarm_fit(fit, folder, name=recipe.name, held=held, provenance=provenance, made=made)
+    print(text(fit, held))
+    print(f"\nwrote {folder}/ in {time.monotonic() - began:.0f} s; open {folder}/report.html")
+    if fit.stopped:
+        print("stopped by hand: this is the best so far; go on with --resume")
+        raise SystemExit(130)
+    memory.forget()
+
+
+def _further(path: Path, recipe: AlarmRecipe) -> tuple[Footage, ...]:
+    """The clips of another file; they are seen with an eye of their own."""
+    file = load_footage(path)
+    if file.eye.fps != recipe.file.eye.fps:
+        raise ValueError(f"{path} is for {file.eye.fps:g} fps, the recipe for {recipe.file.eye.fps:g}; use one rate")
+    return file.load(_bar)
+
+
+def _held(recipe: AlarmRecipe, model: LGMD2) -> Held:
+    """The fitted model and the paper's, at both ends of its T_sp, on rendered clips that the fit did not see."""
+    clips = recipe.held_out()
+    models = {"fitted": model}
+    for T_sp in (float(preset("lgmd2").T_sp), _ROBOT_T_SP):
+        models[f"Table I, T_sp {T_sp:g}"] = dataclasses.replace(model, parameters=preset("lgmd2", T_sp=T_sp))
+    return Held.of({name: watch(it, clips) for name, it in models.items()})
+
+
+def _bar(jobs: Iterable) -> Iterable:
+    return tqdm(jobs, "clips", unit="source", leave=False, disable=None)

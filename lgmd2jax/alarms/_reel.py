@@ -1,0 +1,73 @@
+"""Clips of one raster side by side, and the evidence for an alarm over each."""
+
+from collections.abc import Sequence
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float, Real
+
+from lgmd2jax._batching import each
+from lgmd2jax._model import LGMD2
+from lgmd2jax._network import channels, potentials
+from lgmd2jax.alarms._evidence import evidence
+from lgmd2jax.alarms._footage import Footage
+
+Sums = tuple[Float[Array, "_clip _time"], Float[Array, "_clip _time"]]
+
+
+class Reel(eqx.Module):
+    """Clips held at their last frame up to a common length, with which frames lie in each window and which are silent.
+
+    `members`: which of the clips these are. `windowed`, `silenced`: which windows there are, and who has a silence.
+    """
+
+    frames: Real[Array, "clip time row col"]
+    interval: Float[Array, " clip"]
+    windows: Bool[Array, "clip window time"]
+    silent: Bool[Array, "clip time"]
+    members: tuple[int, ...] = eqx.field(static=True)
+    windowed: tuple[tuple[bool, ...], ...] = eqx.field(static=True)
+    silenced: tuple[bool, ...] = eqx.field(static=True)
+
+    def sums(self, model: LGMD2) -> Sums:
+        """MP and F of every clip. Pixels compute in float32; whole grey levels are kept as such until then."""
+        return each(lambda it: potentials(model, it[0].astype(jnp.float32), it[1])[:2], (self.frames, self.interval))
+
+    def traces(self, model: LGMD2, sums: Sums, N_sp: int) -> Float[Array, "clip time"]:
+        """The evidence for an alarm in every frame."""
+        pixels = self.frames[0, 0].size
+
+        def potential(mp, f, interval):
+            return channels(model, mp, f, interval, pixels)["smp_adapted"]
+
+        u = jax.vmap(potential)(*sums, self.interval)
+        return evidence(u, model.parameters.sigma_sp, N_sp, model.N_ts)
+
+
+def reels_of(clips: Sequence[Footage]) -> tuple[Reel, ...]:
+    """All clips, those of a raster in one reel."""
+    rasters: dict[tuple, list[int]] = {}
+    for number, clip in enumerate(clips):
+        rasters.setdefault((*clip.frames.shape[1:], clip.frames.dtype), []).append(number)
+    return tuple(_reel([clips[member] for member in members], tuple(members)) for members in rasters.values())
+
+
+def _reel(clips: Sequence[Footage], members: tuple[int, ...]) -> Reel:
+    length = max(len(clip.frames) for clip in clips)
+    windows = np.zeros((len(clips), max(len(clip.windows) for clip in clips), length), bool)
+    silent = np.zeros((len(clips), length), bool)
+    for number, clip in enumerate(clips):
+        windows[number, : len(clip.windows), : len(clip.frames)] = clip.in_windows()
+        silent[number, : len(clip.frames)] = clip.in_silence()
+    frames = [np.pad(it.frames, [(0, length - len(it.frames)), (0, 0), (0, 0)], mode="edge") for it in clips]
+    return Reel(
+        frames=jnp.asarray(np.stack(frames)),
+        interval=jnp.asarray([1000 / clip.fps for clip in clips], dtype=float),
+        windows=jnp.asarray(windows),
+        silent=jnp.asarray(silent),
+        members=members,
+        windowed=tuple(tuple(bool(it) for it in row) for row in np.asarray(windows.any(axis=2))),
+        silenced=tuple(bool(it) for it in np.asarray(silent.any(axis=1))),
+    )

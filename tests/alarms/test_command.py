@@ -1,0 +1,124 @@
+"""`lgmd2jax fit` with a recipe of kind "alarms", from labelled clips to a folder."""
+
+import csv
+import json
+
+import numpy as np
+import pytest
+
+import lgmd2jax as lgmd
+from lgmd2jax import hard
+from lgmd2jax.alarms import Rendered, rendered
+from lgmd2jax.cli import main
+from tests.videos import noise, write_video
+
+PROTOCOL = """
+[eye]
+rows = 12
+cols = 18
+degrees_per_pixel = 4
+fps = 30
+projection = "pinhole"
+[rendered]
+count = 6
+seed = 2
+"""
+RECIPE = """
+protocol = "clips.toml"
+kind = "alarms"
+[parameters]
+N_sp = 4
+[free]
+k = { low = 0.1, high = 2 }
+T_ffi = { low = 2, high = 60 }
+[solver]
+pixel_points = 1
+cell_points = 64
+descend = 1
+temperatures = [0.5]
+max_steps = 2
+[validation]
+count = 4
+seed = 9
+"""
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory):
+    """A folder with a recipe, a clip of one's own beside the rendered ones, and the results of both."""
+    place = tmp_path_factory.mktemp("alarms")
+    (place / "clips.toml").write_text(PROTOCOL)
+    (place / "mine.toml").write_text(RECIPE)
+    write_video(place / "own.mkv", list(noise(30)))
+    (place / "own.toml").write_text(PROTOCOL.split("[rendered]")[0] + '[[clip]]\nfile = "own.mkv"\n')
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("lgmd2jax.alarms._decoded.user_cache_path", lambda name: place / name)
+        assert not main(["fit", str(place / "mine.toml"), "--clips", str(place / "own.toml")])
+    return place
+
+
+def test_the_folder(place):
+    names = {path.name for path in (place / "mine").iterdir()}
+    assert names == {
+        "model.json",
+        "fit.json",
+        "clips.csv",
+        "fit.png",
+        "diagnostics.png",
+        "worst.png",
+        "report.txt",
+        "report.html",
+    }
+    assert not list(place.glob(".*"))
+    content = json.loads((place / "mine/fit.json").read_text())
+    assert content["screened"] == 65
+    assert set(content["values"]) == {"k", "T_ffi", "T_sp"}
+    assert content["held_out"]["windows"] == 2
+    report = (place / "mine/report.txt").read_text()
+    assert "Clips that the fit did not see: 2 windows" in report
+    assert "Table I, T_sp 0.65" in report
+
+
+def test_the_handed_over_model_alarms_as_the_report_says(place):
+    eye = lgmd.load(place / "mine/model.json").eye
+    assert eye is not None
+    with open(place / "mine/clips.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert rows.pop()["clip"] == "own"
+    for clip, row in zip(rendered(eye, Rendered(6, seed=2)), rows, strict=True):
+        robot = hard.load(place / "mine/model.json")
+        on = [bool(robot.step(frame).collision) for frame in clip.frames.astype(float)]
+        told = np.zeros(len(on), bool)
+        for stretch in row["alarms"].split():
+            first, last = map(int, stretch.split("-"))
+            told[first : last + 1] = True
+        np.testing.assert_array_equal(on, told)
+        assert row["clip"] == clip.name
+
+
+@pytest.mark.parametrize(
+    ("recipe", "message"),
+    [
+        (RECIPE.replace("seed = 9", "seed = 2"), "validation has the seed 2 of the clips that are fitted"),
+        (RECIPE.replace("[solver]", "[solver]\nloss = 'huber'"), "unknown key 'loss'"),
+        (RECIPE.replace("clips.toml", "looming"), "unknown key 'condition'"),
+        (RECIPE.replace("k = {", "kk = {"), "free parameter is 'kk'"),
+    ],
+)
+def test_a_recipe_that_is_none_says_why_in_one_line(place, recipe, message, capsys):
+    (place / "bad.toml").write_text(recipe)
+    assert main(["fit", str(place / "bad.toml")]) != 0
+    said = capsys.readouterr().err.strip()
+    assert message in said
+    assert "\n" not in said
+    assert not (place / "bad").exists()
+
+
+def test_clips_go_with_alarms_alone(place, capsys):
+    assert main(["fit", "twin", "--clips", str(place / "clips.toml")]) != 0
+    assert "--clips is for a recipe of kind 'alarms'" in capsys.readouterr().err
+
+
+def test_a_protocol_of_labelled_clips_is_no_protocol_of_stimuli(capsys):
+    with pytest.raises(ValueError, match="holds labelled clips, for recipes of kind 'alarms'"):
+        lgmd.load_protocol("video")

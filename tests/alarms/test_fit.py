@@ -1,0 +1,133 @@
+"""Fits of alarms: a known network's verdicts are found again, the margin is what it says, and descents widen it."""
+
+import dataclasses
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import lgmd2jax as lgmd
+from lgmd2jax.alarms import Rendered, fit, footage, rendered, watch
+from lgmd2jax.alarms._problem import problem_of
+from lgmd2jax.alarms._search import look
+
+EYE = lgmd.Eye.from_field_of_view(18, 24, 70.0, 30.0, "pinhole")
+TRUTH = lgmd.LGMD2(lgmd.preset("lgmd2", T_s=6.0, T_ffi=20.0, k=0.6, tau3=300.0, T_sp=0.66, N_sp=4.0), eye=EYE)
+START = lgmd.LGMD2(lgmd.preset("lgmd2", N_sp=4.0, k=1.9, T_sp=0.9), eye=EYE)
+FREE = lgmd.Free(T_s=lgmd.Log(2, 30), k=lgmd.Log(0.1, 2), T_ffi=(5, 60), tau3=lgmd.Log(100, 1000), T_sp=(0.55, 0.95))
+SETTINGS = {"key": jax.random.key(0), "pixel_points": 4, "cell_points": 128, "descend": 1, "max_steps": 4}
+
+
+def labelled(clips):
+    """Clips whose labels are the alarms of the true network, with a frame between that is not judged."""
+    twins = []
+    for clip, trace in zip(clips, watch(TRUTH, clips).evidence, strict=True):
+        on = trace >= float(TRUTH.parameters.T_sp)
+        windows = np.flatnonzero(on)
+        if len(windows):
+            first, last = int(windows[0]), int(windows[-1])
+            silent = [it for it in ((10, first - 2), (last + 2, len(on) - 1)) if it[0] <= it[1]]
+            twins.append(footage(clip.name, clip.frames, 30, windows=[(first, last)], silent=silent))
+        else:
+            twins.append(footage(clip.name, clip.frames, 30, silent=[(10, len(on) - 1)]))
+    return twins
+
+
+@pytest.fixture(scope="module")
+def clips():
+    return labelled(tuple(rendered(EYE, Rendered(8, seed=5))))
+
+
+@pytest.fixture(scope="module")
+def fitted(clips):
+    return fit(START, clips, FREE, **SETTINGS)
+
+
+def test_verdicts_of_a_known_network_are_found_again(clips, fitted):
+    assert sum(bool(clip.windows) for clip in clips) >= 3
+    assert not all(it.right for it in watch(START, clips).verdicts())  # the start knows nothing of them
+    assert fitted.cost == 0
+    assert all(it.right for it in fitted.watch.verdicts())
+    assert 0 < fitted.right < fitted.screened == 4 * 128 + 1
+
+
+def test_the_margin_is_how_far_T_sp_may_move(clips, fitted):
+    T_sp = float(fitted.model.parameters.T_sp)
+    for share, all_right in ((0.99, True), (1.01, False)):
+        moved = [watch(with_T_sp(fitted.model, T_sp + sign * share * fitted.margin), clips) for sign in (-1, 1)]
+        assert all(all(it.right for it in each.verdicts()) for each in moved) == all_right
+
+
+def with_T_sp(model, T_sp):
+    return dataclasses.replace(model, parameters=dataclasses.replace(model.parameters, T_sp=T_sp))
+
+
+def test_a_descent_never_narrows_the_margin_and_widens_it_here(fitted):
+    (descended,) = fitted.descended
+    assert fitted.margin == descended.after > descended.before
+
+
+def test_what_is_left_out_is_judged_by_the_best_of_the_others(clips, fitted):
+    assert list(fitted.left_out) == [clip.name for clip in clips]
+    assert set(fitted.left_out.values()) <= {0, 1, 2}
+    assert sum(wrong == 0 for wrong in fitted.left_out.values()) >= len(clips) / 2
+
+
+def test_ranges_hold_the_sets_that_are_right(fitted):
+    for name, (low, high) in fitted.ranges.items():
+        freedom = fitted.free.freedoms[fitted.free.names.index(name)]
+        assert freedom.low - 1e-9 <= low <= high <= freedom.high * (1 + 1e-9)
+    assert set(fitted.ranges) == set(FREE.names) - {"T_sp"}
+
+
+def test_the_same_key_gives_the_same_fit_and_memory_goes_on(clips, fitted):
+    memory = {}
+    again = fit(START, clips, FREE, **SETTINGS, memory=memory)
+    assert again.z.tolist() == fitted.z.tolist()
+    assert {it.split()[0] for it in memory} == {"screening", "descending"}
+    assert fit(START, clips, FREE, **SETTINGS, memory=memory).z.tolist() == fitted.z.tolist()
+
+
+def test_the_search_sees_what_the_network_does(clips):
+    problem = problem_of(TRUTH, FREE, clips, 1.0, 1.0)
+    z = FREE.place(TRUTH.parameters, lgmd.Observation())
+    (peaks,) = np.asarray(look(problem, z, z[None, list(problem.searched)]))
+    traces = watch(TRUTH, clips).evidence
+    for event, peak in zip(problem.events, peaks, strict=True):
+        clip = clips[event.clip]
+        inside = clip.in_windows().any(axis=0) if event.wanted else clip.in_silence()
+        assert peak == pytest.approx(traces[event.clip][inside].max(), abs=1e-6)
+
+
+def test_the_descents_slope_is_that_of_finite_differences(clips):
+    problem = problem_of(TRUTH, FREE, clips, 2.0, 1.0)
+    z, temperature = jnp.asarray(FREE.place(TRUTH.parameters, lgmd.Observation())), jnp.asarray(0.5)
+    slope = jax.jit(lambda z, along: jax.jvp(lambda z: problem.residuals(z, temperature), (z,), (along,)))
+    steep = 0
+    for i in range(len(z)):
+        along = jnp.zeros(len(z)).at[i].set(1.0)
+        _, seen = slope(z, along)
+        (above, _), (below, _) = slope(z + 1e-4 * along, along), slope(z - 1e-4 * along, along)
+        np.testing.assert_allclose(seen, (above - below) / 2e-4, atol=2e-3)
+        steep += bool(np.abs(seen).max() > 1e-3)
+    assert steep >= 4  # a gate that is far away has no slope
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"clips": []}, "clips is empty"),
+        ({"clips": "silent"}, "no clip has a window in which an alarm is wanted"),
+        ({"pixel_points": 0}, "pixel_points is 0; give a whole number"),
+        ({"miss": -1.0}, "miss is -1.0; give a positive weight"),
+        ({"model": lgmd.LGMD2(lgmd.preset("lgmd2", N_sp=4.5), eye=EYE)}, "N_sp is 4.5; alarms count whole spikes"),
+        ({"free": lgmd.Free(k=(2.0, 3.0))}, "k starts at 1.9, outside of its bounds"),
+    ],
+)
+def test_misuse(clips, changes, message):
+    if changes.get("clips") == "silent":
+        changes = {"clips": [footage("s", clips[0].frames, 30, silent=[(10, 20)])]}
+    arguments = {"model": START, "clips": clips, "free": FREE, **SETTINGS, **changes}
+    with pytest.raises(ValueError, match=message):
+        fit(**arguments)
