@@ -10,8 +10,8 @@ from lgmd2jax._fit_file import plain
 from lgmd2jax._folder import replaced_folder
 from lgmd2jax._report_page import report_page
 from lgmd2jax._results import MARKER, OWN
-from lgmd2jax.alarms import AlarmFit
-from lgmd2jax.alarms._report import Held, html, table, text
+from lgmd2jax.alarms import AlarmFit, Held
+from lgmd2jax.alarms._report import html, table
 
 _FORMAT, _VERSION = "lgmd2jax-alarm-fit", 1
 
@@ -37,7 +37,7 @@ def save_alarm_fit(
         clips_figure(new / pictures[0], fit, name)
         operating_figure(new / pictures[1], fit.watch)
         worst_figure(new / pictures[2], fit.watch)
-        (new / "report.txt").write_text(text(fit, held) + "\n", encoding="utf-8")
+        (new / "report.txt").write_text(fit.summary(held) + "\n", encoding="utf-8")
         page = report_page(f"Alarms {name}", [new / it for it in pictures], html(fit, held))
         (new / "report.html").write_text(page, encoding="utf-8")
 

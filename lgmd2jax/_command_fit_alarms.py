@@ -9,15 +9,15 @@ from typing import Any
 
 from tqdm import tqdm
 
-from lgmd2jax._alarm_recipe import KIND as KIND, AlarmRecipe, load_alarm_recipe
 from lgmd2jax._alarm_results import save_alarm_fit
 from lgmd2jax._folder import check_folder
 from lgmd2jax._model import LGMD2
 from lgmd2jax._parameters import preset
 from lgmd2jax._recipe_argument import folder_of, made_now, starts_of
 from lgmd2jax._results import MARKER
-from lgmd2jax.alarms import Footage, load_footage, watch
-from lgmd2jax.alarms._report import Held, text
+from lgmd2jax.alarms import AlarmRecipe, Footage, load_footage, load_recipe, watch
+from lgmd2jax.alarms._recipe import KIND as KIND
+from lgmd2jax.alarms._report import Held
 
 _ROBOT_T_SP = 0.65  # Table I's range is .65 on the robot to .78 off line
 
@@ -25,7 +25,7 @@ _ROBOT_T_SP = 0.65  # Table I's range is .65 on the robot to .78 off line
 def run(options: argparse.Namespace) -> None:
     """Make the fit, write its folder, and print the report."""
     began = time.monotonic()
-    recipe = load_alarm_recipe(options.recipe)
+    recipe = load_recipe(options.recipe)
     folder = folder_of(options, recipe.name)
     check_folder(folder, MARKER)
     clips = recipe.file.load(_bar)
@@ -42,7 +42,7 @@ def run(options: argparse.Namespace) -> None:
     provenance = {"recipe": recipe.name, "seed": recipe.seed, "digest": digest}
     made: dict[str, Any] = {"recipe": recipe.table, "digest": digest, "made": made_now(began)}
     save_alarm_fit(fit, folder, name=recipe.name, held=held, provenance=provenance, made=made)
-    print(text(fit, held))
+    print(fit.summary(held))
     print(f"\nwrote {folder}/ in {time.monotonic() - began:.0f} s; open {folder}/report.html")
     if fit.stopped:
         print("stopped by hand: this is the best so far; go on with --resume")

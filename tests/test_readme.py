@@ -50,5 +50,5 @@ def test_commands_run(command, tmp_path, monkeypatch, capsys):
 
 
 def test_there_is_something_to_test():
-    assert len(PROGRAMS) == 5
-    assert len(COMMANDS) == 5
+    assert len(PROGRAMS) == 6
+    assert len(COMMANDS) == 6

@@ -1,8 +1,6 @@
 """Blocks on the workers of a Dask cluster: each compiles once, and writes its own chunks of the store."""
 
-import functools
 import os
-import pickle
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
@@ -10,7 +8,8 @@ import jax
 import numpy as np
 
 from lgmd2jax._sweep._blocks import Plan
-from lgmd2jax._sweep._store import Store, need
+from lgmd2jax._sweep._store import Store
+from lgmd2jax._workers import checked_client, keep_to_own_cores, unpacked
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -27,12 +26,10 @@ def spread(
 
     **Raises:** what a block raises; `ValueError` for what is no client.
     """
-    need("dask", "distributed", extra="cluster")
-    from distributed import Client, as_completed
+    client = checked_client(client)
+    from distributed import as_completed
     from distributed.protocol.pickle import dumps
 
-    if not isinstance(client, Client):
-        raise ValueError(f"client is {client!r:.60}; give a dask.distributed.Client")
     packed, wide = dumps(plan), bool(jax.config.read("jax_enable_x64"))
     place = None if path is None else os.path.abspath(path)
     futures = client.map(_work, numbers, packed=packed, wide=wide, path=place, pure=False)
@@ -47,22 +44,12 @@ def spread(
 
 def _work(number: int, packed: bytes, wide: bool, path: str | None) -> Results | None:
     """A block, on a worker."""
-    from distributed import get_worker
-
-    # Read by XLA when it starts, with the first array: no more threads than the worker has, else workers of one machine
-    # take each other's cores away.
-    os.environ.setdefault("NPROC", str(get_worker().state.nthreads))
+    keep_to_own_cores()
     with jax.enable_x64(wide):
-        plan, store = _unpacked(packed, path)
+        plan = unpacked(packed)
+        store = None if path is None else Store(plan, path)
         found = plan.compute(number)
     if store is None:
         return found
     store.write(number, found)
     return None
-
-
-@functools.lru_cache(maxsize=2)
-def _unpacked(packed: bytes, path: str | None) -> tuple[Plan, Store | None]:
-    """Once for all blocks, so that a renderer that travels by value is compiled once too."""
-    plan = pickle.loads(packed)
-    return plan, None if path is None else Store(plan, path)

@@ -2,7 +2,6 @@
 
 import dataclasses
 import hashlib
-import importlib.util
 import inspect
 import os
 import secrets
@@ -17,18 +16,12 @@ import numpy as np
 
 from lgmd2jax._sweep._blocks import Plan, Region
 from lgmd2jax._sweep._responses import CHANNELS, SUMMARIES
+from lgmd2jax._workers import need
 
 if TYPE_CHECKING:
     import xarray
 
 _DONE = "finished/blocks"  # in a group of its own, so that xarray does not show it
-
-
-def need(*packages: str, extra: str) -> None:
-    """Raise `ValueError` that names the extra where a package is not installed."""
-    missing = [name for name in packages if importlib.util.find_spec(name) is None]
-    if missing:
-        raise ValueError(f"this needs {' and '.join(missing)}: pip install 'lgmd2jax[{extra}]'")
 
 
 class Memory:

@@ -12,5 +12,7 @@ from lgmd2jax.alarms._footage_file import (
     load_footage as load_footage,
     rendered as rendered,
 )
+from lgmd2jax.alarms._recipe import AlarmRecipe as AlarmRecipe, load_recipe as load_recipe
+from lgmd2jax.alarms._report import Held as Held
 from lgmd2jax.alarms._result import AlarmFit as AlarmFit
 from lgmd2jax.alarms._watch import Score as Score, Verdict as Verdict, Watch as Watch, watch as watch

@@ -3,7 +3,7 @@
 import dataclasses
 from collections.abc import Sequence
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import jax
 import numpy as np
@@ -22,11 +22,17 @@ from lgmd2jax.fitting import _descent
 from lgmd2jax.fitting._bounded import BoundedLevenbergMarquardt
 from lgmd2jax.fitting._free import Free
 from lgmd2jax.fitting._search import sobol
-from lgmd2jax.fitting._work import Memory, Work
+from lgmd2jax.fitting._work import Memory, Stop, Work
+
+if TYPE_CHECKING:
+    from distributed import Client
 
 TEMPERATURES = (0.5, 0.2, 0.05)
 _RTOL, _ATOL = 3e-3, 1e-8
 _RADIUS = 0.05  # of the search around what a descent reached, in the unit box
+_PARENTS = 8  # of a generation
+_REACH = 0.1  # of the first generation, in the unit box; each of the next goes half as far
+_MOVED = 0.6  # of the pixels' parameters, by chance
 _LEFT_OUT = 32  # clips at most, for each of which the choice is made anew without it
 
 
@@ -40,18 +46,21 @@ def fit(
     false_alarm: float | int = 1.0,
     pixel_points: int = 128,
     cell_points: int = 1024,
+    generations: int = 4,
     descend: int = 4,
     temperatures: Sequence[float | int] = TEMPERATURES,
     max_steps: int = 20,
     progress: bool = False,
     memory: Memory | None = None,
+    client: "Client | None" = None,
 ) -> AlarmFit:
     """Fit a model's free parameters to labelled clips: alarms in every window, none in a silence.
 
     For each of the `pixel_points` all clips are seen once; `cell_points` cells are tried on what the pixels summed, and
-    of each the best T_sp is known exactly. The best are descended on soft thresholds, towards larger margins, with
-    searches of the cell between; every candidate is judged by the hard model. What errs least is handed over, and of
-    that what has the widest margin: T_sp may move by so much, in units of U', before a verdict changes.
+    of each the best T_sp is known exactly. Then the neighbourhood of the best is searched, ever closer, generation by
+    generation. The best are descended on soft thresholds, towards larger margins, with searches of the cell between;
+    every candidate is judged by the hard model. What errs least is handed over, and of that what has the widest margin:
+    T_sp may move by so much, in units of U', before a verdict changes.
 
     **Arguments:**
 
@@ -61,14 +70,18 @@ def fit(
     - `key`: of the search's random points. The same key gives the same fit.
     - `miss`, `false_alarm`: what it costs to miss a window, and to break the silence of a clip.
     - `pixel_points`, `cell_points`, `descend`, `temperatures`, `max_steps`: as for `lgmd2jax.fit`.
+    - `generations`: of the search near the best, each a quarter of the pixel points.
     - `progress`: show a bar.
     - `memory`: a mapping that keeps finished work; given again, the fit goes on from there.
+    - `client`: of a Dask cluster, on whose workers the starts are spread instead of on the cores here.
 
     **Raises:** `ValueError` for no clips, for clips in which no alarm is wanted, for a start outside of its bounds, and
     for numbers that make no sense.
     """
     counts = {"pixel_points": pixel_points, "cell_points": cell_points, "descend": descend, "max_steps": max_steps}
     _check(model, clips, counts, {"miss": miss, "false_alarm": false_alarm})
+    if not isinstance(generations, int) or generations < 0:
+        raise ValueError(f"generations is {generations!r}; give a whole number, 0 or more")
     model = dataclasses.replace(model, thresholds=Hard())
     if "T_sp" not in free.names:
         free = free.also(T_sp=None)
@@ -78,37 +91,21 @@ def fit(
     points = _points(problem, start, pixel_points, seed)
     solver = BoundedLevenbergMarquardt(_RTOL, _ATOL, lower=0.0, upper=1.0)
     groups = _groups(problem, len(clips))
-
-    with Work({} if memory is None else memory, progress) as work:
-
-        def cells(number: int) -> Float[np.ndarray, "cell searched"]:
-            drawn = sobol(len(problem.searched), cell_points, (*seed, number))
-            return np.vstack([points[number, list(problem.searched)], drawn]) if number == 0 else drawn
-
-        def screen(number: int) -> dict[str, Any]:
-            tried = cells(number)
-            peaks = np.asarray(look(problem, points[number], tried))
-            choice = _choice(problem, peaks)
-            best = []
-            for group in groups:
-                chosen = choice if group.all() else _choice(problem, peaks, group)
-                first = int(chosen.order()[0])
-                best.append(_entry(problem, points[number], tried[first], peaks[first], chosen, first))
-            right = tried[choice.cost == 0]
-            work.saw(best[0]["cost"], number)
-            return {"best": best, "count": len(tried), "right": len(right), "ends": _ends(right)}
-
-        def run(number: int) -> dict[str, Any]:
-            return _descend(problem, screened[number]["best"][0], cells(number), solver, temperatures, max_steps, work)
-
-        first = partial(look, problem, points[0], cells(min(1, len(points) - 1)))
-        screened = work.do("screening", screen, range(len(points)), first)
+    starts = _Starts(problem, points, groups, cell_points, seed, tuple(map(float, temperatures)), solver, max_steps)
+    with Work({} if memory is None else memory, progress, client) as work:
+        first = partial(look, problem, points[0], starts.cells(0))
+        screened = work.do("screening", starts.screen, range(len(points)), first)
         if not screened:
             raise KeyboardInterrupt
-        ranked = sorted(screened, key=lambda number: _rank(screened[number]["best"][0]))[:descend]
-        descended = work.do(
-            "descending", run, ranked, partial(_descent.solve, problem, start, temperatures[0], solver, 1)
-        )
+        for generation in range(generations):
+            parents = [it["best"][0]["z"] for it in sorted(screened.values(), key=_rank_of)[:_PARENTS]]
+            task = partial(starts.near, parents, _REACH / 2**generation)
+            count = max(1, pixel_points // 4)
+            screened |= work.do(f"generation {generation + 1}", task, range(len(screened), len(screened) + count))
+        ranked = sorted(screened, key=lambda number: _rank_of(screened[number]))[:descend]
+        chosen = {number: screened[number]["best"][0] for number in ranked}
+        one_step = partial(_descent.solve, problem, start, starts.temperatures[0], solver, 1)
+        descended = work.do("descending", partial(starts.descend, chosen), ranked, one_step)
         stopped = work.stop.is_set()
     candidates = [screened[ranked[0]]["best"][0], *(it["after"] for it in descended.values())]
     best = min(candidates, key=_rank)
@@ -128,7 +125,7 @@ def fit(
         watch=watch(chosen, clips),
         screened=sum(it["count"] for it in screened.values()),
         right=sum(it["right"] for it in screened.values()),
-        ranges=_ranges(problem, points, screened),
+        ranges=_ranges(problem, screened),
         descended=tuple(
             Descended(number, screened[number]["best"][0]["margin"], it["after"]["margin"], it["after"]["cost"])
             for number, it in descended.items()
@@ -136,6 +133,76 @@ def fit(
         left_out=left_out,
         stopped=stopped,
     )
+
+
+@dataclasses.dataclass(frozen=True)
+class _Starts:
+    """What is to be done with a start by its number, wherever that is.
+
+    `groups`: of events, all of them and those but for each clip, for each of which a choice is made.
+    """
+
+    problem: AlarmProblem
+    points: np.ndarray
+    groups: list[np.ndarray]
+    cell_points: int
+    seed: tuple[int, ...]
+    temperatures: tuple[float, ...]
+    solver: BoundedLevenbergMarquardt
+    max_steps: int
+
+    def cells(self, number: int) -> Float[np.ndarray, "cell searched"]:
+        """Drawn by chance; the start's own is among the first."""
+        drawn = sobol(len(self.problem.searched), self.cell_points, (*self.seed, number))
+        return np.vstack([self.points[0, list(self.problem.searched)], drawn[1:]]) if number == 0 else drawn
+
+    def screen(self, number: int, stop: Stop) -> dict[str, Any]:
+        """A point of the pixels' parameters, anywhere."""
+        return self._screened(self.points[number], self.cells(number))
+
+    def near(self, parents: list[list[float]], reach: float, number: int, stop: Stop) -> dict[str, Any]:
+        """One near a parent, with cells near the parent's and, every eighth, anywhere."""
+        chance, parent = np.random.default_rng([*self.seed, number]), np.array(parents[number % len(parents)])
+        pixels, searched = list(self.problem.pixel_indices), list(self.problem.searched)
+        moved = reach * chance.standard_normal(len(pixels)) * (chance.random(len(pixels)) < _MOVED)
+        point = parent.copy()
+        point[pixels] = np.clip(parent[pixels] + moved, 0, 1)
+        cells = self.cells(number)
+        radius = reach * chance.choice([0.25, 1.0, 4.0], (len(cells), 1))
+        near = np.clip(parent[searched] + radius * (2 * cells - 1), 0, 1)
+        near[0] = parent[searched]
+        return self._screened(point, np.where((np.arange(len(cells)) % 8 == 7)[:, None], cells, near))
+
+    def _screened(self, point: np.ndarray, tried: np.ndarray) -> dict[str, Any]:
+        peaks = np.asarray(look(self.problem, point, tried))
+        choice = _choice(self.problem, peaks)
+        best = []
+        for group in self.groups:
+            chosen = choice if group.all() else _choice(self.problem, peaks, group)
+            first = int(chosen.order()[0])
+            best.append(_entry(self.problem, point, tried[first], peaks[first], chosen, first))
+        right = np.tile(point, (int((choice.cost == 0).sum()), 1))
+        right[:, list(self.problem.searched)] = tried[choice.cost == 0]
+        ends = [right.min(axis=0).tolist(), right.max(axis=0).tolist()] if len(right) else None
+        counts = {"count": len(tried), "right": len(right), "ends": ends}
+        return {"best": best, "loss": best[0]["cost"], **counts}
+
+    def descend(self, chosen: dict[int, dict[str, Any]], number: int, stop: Stop) -> dict[str, Any]:
+        """From a candidate towards larger margins; the best that the hard model was seen to do."""
+        best, z = chosen[number], np.array(chosen[number]["z"])
+        searched, cells = list(self.problem.searched), self.cells(number)
+        for temperature in self.temperatures:
+            if stop is not None and stop.is_set():
+                break
+            z, _, _ = _descent.solve(self.problem, z, temperature, self.solver, self.max_steps, stop)
+            near = np.clip(z[searched] + 2 * _RADIUS * (cells - 0.5), 0, 1)
+            tried = np.vstack([z[searched], near[1:]])
+            peaks = np.asarray(look(self.problem, z, tried))
+            choice = _choice(self.problem, peaks)
+            first = int(choice.order()[0])
+            here = _entry(self.problem, z, tried[first], peaks[first], choice, first)
+            best, z = min(best, here, key=_rank), np.array(here["z"])
+        return {"after": best, "loss": best["cost"]}
 
 
 def _check(model: LGMD2, clips: Sequence[Footage], counts: dict[str, int], weights: dict[str, float | int]) -> None:
@@ -188,55 +255,24 @@ def _rank(entry: dict[str, Any]) -> tuple[float, float]:
     return entry["cost"], -entry["margin"]
 
 
+def _rank_of(screened: dict[str, Any]) -> tuple[float, float]:
+    return _rank(screened["best"][0])
+
+
 def _errors(problem: AlarmProblem, entry: dict[str, Any], among: np.ndarray) -> int:
     """How many of these events a candidate gets wrong."""
     on = np.array(entry["peaks"]) >= entry["threshold"]
     return int((on != problem.wanted)[among].sum())
 
 
-def _descend(
-    problem: AlarmProblem,
-    before: dict[str, Any],
-    cells: np.ndarray,
-    solver: BoundedLevenbergMarquardt,
-    temperatures: Sequence[float | int],
-    max_steps: int,
-    work: Work,
-) -> dict[str, Any]:
-    """From a candidate towards larger margins; the best that the hard model was seen to do."""
-    best, z = before, np.array(before["z"])
-    for temperature in temperatures:
-        if work.stop.is_set():
-            break
-        z, _, _ = _descent.solve(problem, z, float(temperature), solver, max_steps, work.stop)
-        own = z[list(problem.searched)]
-        tried = np.vstack([own, np.clip(own + 2 * _RADIUS * (cells - 0.5), 0, 1)])
-        peaks = np.asarray(look(problem, z, tried))
-        choice = _choice(problem, peaks)
-        first = int(choice.order()[0])
-        here = _entry(problem, z, tried[first], peaks[first], choice, first)
-        best, z = min(best, here, key=_rank), np.array(here["z"])
-    return {"after": best}
-
-
-def _ends(right: np.ndarray) -> list[list[float]] | None:
-    return [right.min(axis=0).tolist(), right.max(axis=0).tolist()] if len(right) else None
-
-
-def _ranges(problem: AlarmProblem, points: np.ndarray, screened: dict[int, Any]) -> dict[str, tuple[float, float]]:
-    """Between which values each parameter lay in the sets that were right on all clips."""
-    low, high = np.full(len(problem.free), np.inf), np.full(len(problem.free), -np.inf)
-    pixels, searched = list(problem.pixel_indices), list(problem.searched)
-    for number, it in screened.items():
-        if it["ends"] is not None:
-            low[pixels], high[pixels] = (
-                np.minimum(low, points[number])[pixels],
-                np.maximum(high, points[number])[pixels],
-            )
-            low[searched] = np.minimum(low[searched], it["ends"][0])
-            high[searched] = np.maximum(high[searched], it["ends"][1])
+def _ranges(problem: AlarmProblem, screened: dict[int, Any]) -> dict[str, tuple[float, float]]:
+    """Between which values each parameter lay in the sets that were right on all clips; T_sp is chosen for each."""
+    ends = np.array([it["ends"] for it in screened.values() if it["ends"] is not None])
+    if not len(ends):
+        return {}
+    low, high = ends[:, 0].min(axis=0), ends[:, 1].max(axis=0)
     return {
-        freedom.name: (float(freedom.value(low[i])), float(freedom.value(high[i])))
-        for i, freedom in enumerate(problem.free.freedoms)
-        if np.isfinite(low[i])
+        it.name: (float(it.value(low[i])), float(it.value(high[i])))
+        for i, it in enumerate(problem.free.freedoms)
+        if i != problem.threshold
     }

@@ -87,7 +87,8 @@ def _largest(trace: Array, among: Array, smooth: Float[Array, ""] | None) -> Arr
     if smooth is None:
         return top
     shares = jnp.where(among, jnp.exp((trace - jax.lax.stop_gradient(top)[..., None]) / smooth), 0)
-    return (shares * trace).sum(axis=-1) / jnp.maximum(shares.sum(axis=-1), 1)
+    total = shares.sum(axis=-1)
+    return (shares * trace).sum(axis=-1) / jnp.where(total > 0, total, 1.0)
 
 
 def problem_of(model: LGMD2, free: Free, clips: Sequence[Footage], miss: float, false_alarm: float) -> AlarmProblem:

@@ -3,11 +3,14 @@
 import dataclasses
 import math
 from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
 from lgmd2jax._parameters import symbols
-from lgmd2jax.alarms._result import AlarmFit
 from lgmd2jax.alarms._watch import Score, Share, Verdict, Watch
 from lgmd2jax.fitting._section import Section, as_html, as_text
+
+if TYPE_CHECKING:
+    from lgmd2jax.alarms._result import AlarmFit
 
 _MOST = 24  # clips that are told one by one; of more, the ones with the least margin
 
@@ -27,31 +30,31 @@ class Held:
         return cls(first.silent_minutes, first.windows, {name: it.score() for name, it in watches.items()})
 
 
-def text(fit: AlarmFit, held: Held | None = None) -> str:
+def text(fit: "AlarmFit", held: Held | None = None) -> str:
     """The report, at most 110 columns wide."""
     return as_text(_sections(fit, held))
 
 
-def html(fit: AlarmFit, held: Held | None = None) -> str:
+def html(fit: "AlarmFit", held: Held | None = None) -> str:
     """The same as HTML."""
     return as_html(_sections(fit, held))
 
 
-def headline(fit: AlarmFit) -> str:
+def headline(fit: "AlarmFit") -> str:
     """In a line, how right the model is."""
     verdicts = fit.watch.verdicts()
     right = sum(verdict.right for verdict in verdicts)
     return f"right on {right} of {len(verdicts)} clips" + (f", by a margin of {fit.margin:.3f}" if not fit.cost else "")
 
 
-def _sections(fit: AlarmFit, held: Held | None) -> list[Section]:
+def _sections(fit: "AlarmFit", held: Held | None) -> list[Section]:
     sections = [_clips(fit), _found(fit), _parameters(fit)]
     if held is not None:
         sections.insert(1, _held(held))
     return sections
 
 
-def _clips(fit: AlarmFit) -> Section:
+def _clips(fit: "AlarmFit") -> Section:
     verdicts, score = fit.watch.verdicts(), fit.watch.score()
     shown = verdicts if len(verdicts) <= _MOST else sorted(verdicts, key=lambda it: (it.right, it.margin))[:_MOST]
     warnings = [it.warning_ms for it in verdicts if not math.isnan(it.warning_ms)]
@@ -74,7 +77,7 @@ def _clips(fit: AlarmFit) -> Section:
     return Section(f"Clips{few}", columns, tuple(_row(it, fit) for it in shown), tuple(sentences))
 
 
-def _row(verdict: Verdict, fit: AlarmFit) -> tuple[str, ...]:
+def _row(verdict: Verdict, fit: "AlarmFit") -> tuple[str, ...]:
     alarms = ", ".join(f"{first}-{last}" for first, last in verdict.alarms) or "none"
     warning = "" if math.isnan(verdict.warning_ms) else f"{verdict.warning_ms:.0f} ms"
     missed = verdict.hits.count(False)
@@ -88,7 +91,7 @@ def _row(verdict: Verdict, fit: AlarmFit) -> tuple[str, ...]:
     return (*row, "" if left_out is None else "wrong" if left_out else "right")
 
 
-def _found(fit: AlarmFit) -> Section:
+def _found(fit: "AlarmFit") -> Section:
     sentences = [
         f"Of {fit.screened} parameter sets {fit.right} ({fit.right / fit.screened:.2%}) are right on all clips, each "
         "with the T_sp that suits it best."
@@ -117,7 +120,7 @@ def _held(held: Held) -> Section:
     )
 
 
-def _parameters(fit: AlarmFit) -> Section:
+def _parameters(fit: "AlarmFit") -> Section:
     known, rows = symbols(), []
     for name in fit.free.names:
         low, high = fit.ranges.get(name, (math.nan, math.nan))

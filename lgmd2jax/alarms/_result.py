@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from lgmd2jax._model import LGMD2
+from lgmd2jax.alarms._report import Held, text
 from lgmd2jax.alarms._watch import Watch
 from lgmd2jax.fitting._free import Free
 
@@ -48,3 +49,7 @@ class AlarmFit:
     descended: tuple[Descended, ...]
     left_out: Mapping[str, int]
     stopped: bool
+
+    def summary(self, held: Held | None = None) -> str:
+        """The report as text. `held`: what models do on clips that the fit did not see."""
+        return text(self, held)

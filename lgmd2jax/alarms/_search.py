@@ -8,7 +8,7 @@ from jaxtyping import Array, Float
 
 from lgmd2jax.alarms._problem import AlarmProblem
 
-_LANES = 4096  # cells and clips side by side: wide enough for vectors, small enough for the cache
+_LANES = 512  # cells and clips side by side: wide enough for vectors, small enough for the cache
 
 
 @eqx.filter_jit

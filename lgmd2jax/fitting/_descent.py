@@ -2,7 +2,7 @@
 
 import dataclasses
 import threading
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import equinox as eqx
@@ -74,12 +74,10 @@ def descend(
     solver: Solver,
     max_steps: int,
     stop: threading.Event | None = None,
-    told: Callable[[float], Any] = lambda loss: None,
 ) -> Run:
     """Anneal from the best point of a run: descend, search the cell, descend at the next temperature from the best.
 
-    **Arguments:** `cells` are tried between temperatures; `stop` ends the run early, with its best so far; `told` hears
-    the loss of the model's own thresholds after each temperature.
+    **Arguments:** `cells` are tried between temperatures; `stop` ends the run early, with its best so far.
     """
     z, history, result, soft_loss = np.array(run.z), list(run.history), run.result, run.soft_loss
     best = run.loss, z
@@ -93,7 +91,6 @@ def descend(
         found = search_cell(problem, z, cells)
         z = np.asarray(found.z)
         best = min(best, (float(found.loss), z), key=lambda candidate: candidate[0])
-        told(best[0])
     loss, z = best
     return Run(run.start, tuple(map(float, z)), run.start_loss, loss, soft_loss, tuple(history), result)
 

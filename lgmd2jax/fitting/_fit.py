@@ -1,10 +1,10 @@
 """The fit: screening on two levels, descents from the best, the choice by the model's own loss, the uncertainty."""
 
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from functools import partial
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import jax
 import numpy as np
@@ -25,8 +25,11 @@ from lgmd2jax.fitting._problem import Problem, problem_of
 from lgmd2jax.fitting._result import Fit
 from lgmd2jax.fitting._robust import LOSSES, Loss
 from lgmd2jax.fitting._search import search_cell, sobol
-from lgmd2jax.fitting._work import Memory, Work
+from lgmd2jax.fitting._work import Memory, Stop, Work
 from lgmd2jax.stimuli import Stimulus
+
+if TYPE_CHECKING:
+    from distributed import Client
 
 TEMPERATURES = (0.5, 0.2, 0.05)
 # Of the residuals' norm: what is left to fall is then the square of it, far below what curves can tell.
@@ -53,6 +56,7 @@ def fit(
     throw: bool = False,
     progress: bool = False,
     memory: Memory | None = None,
+    client: "Client | None" = None,
 ) -> Fit:
     """Fit a model's free parameters to target curves.
 
@@ -78,6 +82,7 @@ def fit(
     - `throw`: whether to raise `RuntimeError` where the result is not `"converged"`.
     - `progress`: show a bar with the best loss so far.
     - `memory`: a mapping that keeps finished work; given again, the fit goes on from there.
+    - `client`: of a Dask cluster, on whose workers the starts are spread instead of on the cores here.
 
     On Ctrl-C the best so far is returned; its `result` says so. Fits want float64: `jax_enable_x64`.
 
@@ -100,40 +105,21 @@ def fit(
     points = _points(problem, start, pixel_points, seed)
     solver = solver or BoundedLevenbergMarquardt(RTOL, ATOL, lower=0.0, upper=1.0)
 
-    with Work({} if memory is None else memory, progress) as work:
-
-        def cells(number: int) -> np.ndarray:
-            return sobol(len(problem.cell_indices), cell_points, (*seed, number))
-
-        def screen(number: int) -> dict[str, Any]:
-            found = search_cell(problem, points[number], cells(number))
-            work.saw(float(found.loss), number)
-            return {"z": np.asarray(found.z).tolist(), "loss": float(found.loss)}
-
-        def go_on(run: Run, number: int, temperatures: tuple[float, ...], max_steps: int) -> dict[str, Any]:
-            how: dict[str, Any] = {"temperatures": temperatures, "solver": solver, "max_steps": max_steps}
-            told = partial(work.saw, start=number)
-            return asdict(_descent.descend(problem, run, cells(number), **how, stop=work.stop, told=told))
-
-        def run(number: int) -> dict[str, Any]:
-            begun = _descent.begin(problem, np.array(screened[number]["z"]), cells(number))
-            return go_on(begun, number, temperatures, max_steps)
-
-        def finish(number: int) -> dict[str, Any]:
-            return go_on(Run.of(descended[number]), number, temperatures[-1:], _FURTHER * max_steps)
-
+    starts = _Starts(problem, points, cell_points, seed, temperatures, solver, max_steps)
+    with Work({} if memory is None else memory, progress, client) as work:
         # The first calls compile, alone, before the threads need what they compile.
-        screened = work.do("screening", screen, range(len(points)), partial(search_cell, problem, points[0], cells(0)))
+        first = partial(search_cell, problem, points[0], starts.cells(0))
+        screened = work.do("screening", starts.screen, range(len(points)), first)
         if not screened:
             raise KeyboardInterrupt
         chosen = _apart(screened, descend)
         if not chosen:
             raise ValueError("no point of the search gave a finite loss; narrow the bounds of free, or fix its targets")
         one_step = partial(_descent.solve, problem, points[0], temperatures[0], solver, 1)
-        descended = work.do("descending", run, chosen, one_step)
+        descended = work.do("descending", partial(starts.descend, screened), chosen, one_step)
         best = min(descended, key=lambda number: descended[number]["loss"], default=None)
         if best is not None and descended[best]["result"] not in ENDED:
-            descended |= work.do("finishing", finish, [best])
+            descended |= work.do("finishing", partial(starts.finish, descended), [best])
         runs, stopped = [Run.of(it) for it in descended.values()], work.stop.is_set()
     runs = sorted(runs, key=lambda it: it.loss) or [_not_run(screened[chosen[0]])]
     result = STOPPED if stopped else runs[0].result
@@ -150,6 +136,38 @@ def fit(
         result=result,
         stats={"pixel_points": pixel_points, "cell_points": cell_points, "loss": loss, "seed": list(seed)},
     )
+
+
+@dataclass(frozen=True)
+class _Starts:
+    """What is to be done with a start by its number, wherever that is."""
+
+    problem: Problem
+    points: np.ndarray
+    cell_points: int
+    seed: tuple[int, ...]
+    temperatures: tuple[float, ...]
+    solver: Solver
+    max_steps: int
+
+    def cells(self, number: int) -> np.ndarray:
+        return sobol(len(self.problem.cell_indices), self.cell_points, (*self.seed, number))
+
+    def screen(self, number: int, stop: Stop) -> dict[str, Any]:
+        found = search_cell(self.problem, self.points[number], self.cells(number))
+        return {"z": np.asarray(found.z).tolist(), "loss": float(found.loss)}
+
+    def descend(self, screened: dict[int, dict[str, Any]], number: int, stop: Stop) -> dict[str, Any]:
+        begun = _descent.begin(self.problem, np.array(screened[number]["z"]), self.cells(number))
+        return self._go_on(begun, number, self.temperatures, self.max_steps, stop)
+
+    def finish(self, descended: dict[int, dict[str, Any]], number: int, stop: Stop) -> dict[str, Any]:
+        run = Run.of(descended[number])
+        return self._go_on(run, number, self.temperatures[-1:], _FURTHER * self.max_steps, stop)
+
+    def _go_on(self, run: Run, number: int, temperatures: tuple[float, ...], max_steps: int, stop: Stop):
+        how: dict[str, Any] = {"temperatures": temperatures, "solver": self.solver, "max_steps": max_steps}
+        return asdict(_descent.descend(self.problem, run, self.cells(number), **how, stop=stop))
 
 
 def _temperatures(model: Network, temperatures) -> tuple[float, ...]:

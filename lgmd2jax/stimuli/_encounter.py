@@ -39,8 +39,9 @@ class Encounter:
 def encounter(eye: Eye, key: Key, *, kind: str | None = None, duration_ms: float | int = 3000.0) -> Encounter:
     """A clip drawn by chance: the same key gives the same one.
 
-    - `"collision"`: a dark disc or square approaches at constant velocity; the clip ends .1 to .5 s before contact.
-    - `"near miss"`: an object that passes the eye by, at 2 to 6 times its half-size.
+    - `"collision"`: a disc or square, at most half as bright as what is around, approaches at constant velocity; the
+      clip ends .1 to .5 s before contact.
+    - `"near miss"`: an object that passes the eye by, at 3 to 8 times its half-size.
     - `"recession"`: a dark object that draws away.
     - `"translation"`: an object that crosses the field.
     - `"turning"`: the eye turns in a scene.

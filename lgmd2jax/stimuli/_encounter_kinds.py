@@ -24,10 +24,10 @@ from lgmd2jax.stimuli._turning import turning
 _CONTACT_S = 0.1, 0.5  # how long before contact a collision ends: when there is still something to be done
 _FASTEST_MS, _SLOWEST_MS = 60.0, 400.0  # half-size by speed: from a post before a car to a wall before a robot
 _SEEN_LARGE = 25.0  # degrees that an object spans at least before contact, or when it begins to draw away
-_MISS = 2.0, 6.0  # half-sizes between the eye and the path of what passes by
+_MISS = 3.0, 8.0  # half-sizes between the eye and the path of what passes by: its own size aside, or more
 _OFF_CENTRE = 0.25  # of the field's width or height, at most
 _FAR = 12.0  # half-sizes; nearer nothing begins, so that it fits into the field and its path begins ahead
-_DARK = -0.9, -0.4  # Weber
+_DARK = -0.95, -0.5  # Weber: at most half as bright as what is around
 _LIGHT = 0.5, 2.0
 _LIGHT_SHARE = 0.2  # of what passes by or crosses
 _LEVELS = 70.0, 200.0  # mean grey level of surroundings

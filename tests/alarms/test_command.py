@@ -34,6 +34,7 @@ T_ffi = { low = 2, high = 60 }
 [solver]
 pixel_points = 1
 cell_points = 64
+generations = 1
 descend = 1
 temperatures = [0.5]
 max_steps = 2
@@ -71,7 +72,7 @@ def test_the_folder(place):
     }
     assert not list(place.glob(".*"))
     content = json.loads((place / "mine/fit.json").read_text())
-    assert content["screened"] == 65
+    assert content["screened"] == 128
     assert set(content["values"]) == {"k", "T_ffi", "T_sp"}
     assert content["held_out"]["windows"] == 2
     report = (place / "mine/report.txt").read_text()

@@ -59,7 +59,7 @@ def test_hundreds_of_clips_compile_little(drawn):
 def test_collisions_end_shortly_before_contact_with_a_dark_object_seen_large(of):
     for clip in of["collision"]:
         assert 100 <= clip.time_to_contact_ms[-1] < 500
-        assert -0.9 <= clip.stimulus.parameters["contrast"] <= -0.4
+        assert -0.95 <= clip.stimulus.parameters["contrast"] <= -0.5
         assert clip.stimulus.courses["full_angle_deg"][-1] >= 25 - 1e-6
 
 

@@ -14,12 +14,15 @@ from lgmd2jax._arguments import check_keys, section
 from lgmd2jax._catalogue import read_named
 from lgmd2jax._model import LGMD2
 from lgmd2jax._recipe import free_of, model_of
-from lgmd2jax.alarms import AlarmFit, Footage, FootageFile, Rendered, fit, load_footage, rendered
+from lgmd2jax.alarms._fit import fit
+from lgmd2jax.alarms._footage import Footage
+from lgmd2jax.alarms._footage_file import FootageFile, Rendered, load_footage, rendered
+from lgmd2jax.alarms._result import AlarmFit
 from lgmd2jax.fitting import Free
 
 KIND = "alarms"
 _KEYS = ("protocol", "kind", "preset", "parameters", "structure", "free", "weights", "solver", "validation")
-_SOLVER = ("pixel_points", "cell_points", "descend", "temperatures", "max_steps", "seed")
+_SOLVER = ("pixel_points", "cell_points", "generations", "descend", "temperatures", "max_steps", "seed")
 _WEIGHTS = ("miss", "false_alarm")
 
 
@@ -65,7 +68,7 @@ class AlarmRecipe:
         return seen.hexdigest()
 
 
-def load_alarm_recipe(source: str | Path) -> AlarmRecipe:
+def load_recipe(source: str | Path) -> AlarmRecipe:
     """Read a recipe of kind `"alarms"` from a TOML file, or a shipped one by its bare name.
 
     **Raises:** `ValueError`, which names the file and the key, for what is not such a recipe; `FileNotFoundError`.
