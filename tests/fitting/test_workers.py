@@ -1,0 +1,70 @@
+"""Starts on the workers of a cluster: the same results as in threads, kept in the same memory."""
+
+import jax
+import numpy as np
+import pytest
+from distributed import Client, LocalCluster
+
+import lgmd2jax as lgmd
+from lgmd2jax.alarms import Rendered, rendered
+from lgmd2jax.fitting._work import Work
+from tests.alarms.test_fit import FREE, SETTINGS, START, labelled
+
+
+@pytest.fixture(scope="module")
+def client():
+    """Two workers in this process: what travels is pickled all the same."""
+    settings = {"n_workers": 2, "threads_per_worker": 1, "processes": False, "dashboard_address": None}
+    with LocalCluster(**settings) as cluster, Client(cluster) as client:
+        yield client
+
+
+class Squares:
+    """A task with data of its own."""
+
+    def __init__(self, data):
+        self.data = data
+
+    def __call__(self, number, stop):
+        if number == 99:
+            raise ValueError("number is 99; give another one")
+        return {"loss": float(self.data[number] ** 2), "wide": bool(jax.config.read("jax_enable_x64"))}
+
+
+def test_tasks_come_back_by_number_in_double_precision_and_are_remembered(client):
+    task, memory = Squares(np.arange(9.0)), {"squares 3": {"loss": -1.0}}
+    with Work(memory, False, client) as work:
+        found = work.do("squares", task, [5, 3, 8, 0], first=lambda: pytest.fail("nothing is compiled here"))
+    assert list(found) == [5, 3, 8, 0]
+    assert [it["loss"] for it in found.values()] == [25, -1, 64, 0]
+    assert all(found[number]["wide"] for number in (5, 8, 0))
+    assert set(memory) == {"squares 5", "squares 3", "squares 8", "squares 0"}
+    assert work.best == 0
+
+
+def test_what_a_task_raises_is_raised_here(client):
+    with Work({}, False, client) as work, pytest.raises(ValueError, match="number is 99"):
+        work.do("squares", Squares(np.arange(9.0)), [1, 99])
+
+
+@pytest.mark.usefixtures("untyped")
+def test_what_is_no_client_is_refused():
+    with pytest.raises(ValueError, match=r"client is 'here'; give a dask.distributed.Client"):
+        Work({}, False, "here")  # pyright: ignore[reportArgumentType]
+
+
+@pytest.mark.slow
+def test_fits_on_two_processes_are_those_of_threads():
+    clips = labelled(tuple(rendered(START.eye, Rendered(8, seed=5))))
+    conditions = lgmd.load_protocol("twin").conditions[:2]
+    free = lgmd.Free(k=lgmd.Log(0.1, 2), tau3=lgmd.Log(100, 1000))
+    settings = {"key": jax.random.key(1), "pixel_points": 2, "cell_points": 64, "descend": 2}
+    model = lgmd.LGMD2(eye=conditions[0].eye)
+    here = lgmd.alarms.fit(START, clips, FREE, **SETTINGS), lgmd.fit(model, conditions, free, **settings)
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
+        there = (
+            lgmd.alarms.fit(START, clips, FREE, **SETTINGS, client=client),
+            lgmd.fit(model, conditions, free, **settings, client=client),
+        )
+    for a, b in zip(here, there, strict=True):
+        np.testing.assert_allclose(a.z, b.z, atol=1e-6)
