@@ -19,7 +19,7 @@ from nbclient import NotebookClient
 from lgmd2jax._files import replaced
 
 FOLDER = Path(__file__).parent
-NAMES = ("first_steps", "reproduce_paper", "reproduce_recorded", "reproduce_robot", "fit_biology", "deploy")
+NAMES = ("first_steps", "reproduce_paper", "reproduce_recorded", "reproduce_robot", "fit_biology", "sweep", "deploy")
 LIMIT_S, LIMIT_KB = 600, 300
 
 

@@ -1,9 +1,12 @@
 """The pictures of the notebooks, in the style of the library's figures. Each function draws one kind."""
 
 import io
+import tempfile
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 import numpy as np
+import xarray
 from IPython.display import Image
 from matplotlib import style
 from matplotlib.axes import Axes
@@ -12,6 +15,7 @@ from PIL import Image as Picture
 
 from lgmd2jax import Condition, Fit, LoomingLaw, Stimulus
 from lgmd2jax._figures import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, STYLE, VERMILION
+from lgmd2jax._figures_sweep import surface_figure
 from lgmd2jax.fitting._curve import variance_explained
 from notebooks.paper_claims import Seen
 
@@ -23,10 +27,15 @@ _DPI = 80
 
 def drawn(figure: Figure) -> Image:
     """The figure as the picture that a cell shows, in few colours, so that notebooks stay small."""
-    content, small = io.BytesIO(), io.BytesIO()
+    content = io.BytesIO()
     figure.savefig(content, format="png", dpi=_DPI)
-    Picture.open(content).convert("RGB").quantize(64).save(small, format="png", optimize=True)
-    return Image(small.getvalue())
+    return _small(Picture.open(content).convert("RGB").quantize(64))
+
+
+def _small(picture: Picture.Image) -> Image:
+    content = io.BytesIO()
+    picture.save(content, format="png", optimize=True)
+    return Image(content.getvalue())
 
 
 def panels(rows: int, cols: int, height: float, **options) -> tuple[Figure, np.ndarray]:
@@ -133,6 +142,18 @@ def by_contrast(peaks: np.ndarray, contrasts: Sequence[float], speeds: Sequence[
     axes.set(xlabel="contrast of a dark square, -Weber", ylabel="SMP", xticks=contrasts)
     axes.legend(title="edge", loc="lower right")
     return drawn(figure)
+
+
+def surface(
+    found: xarray.Dataset, value: str, title: str, thresholds: Mapping[str, float] | None = None, index: str = ""
+) -> Image:
+    """The figure that `lgmd2jax sweep` writes, for a column."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "surface.png")
+        surface_figure(path, found, value, index or None, thresholds or {}, title)
+        with Picture.open(path) as picture:
+            size = 800, round(800 * picture.height / picture.width)
+            return _small(picture.convert("RGB").resize(size).quantize(256, Picture.Quantize.FASTOCTREE))
 
 
 @style.context(STYLE)
