@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FormatStrFormatter, LogLocator, MaxNLocator, NullFormatter
 
 from lgmd2jax._figures import BLACK, BLUE, VERMILION, drawn
@@ -78,7 +79,8 @@ def _map(
     for name, level in thresholds.items():
         if low < level < high:
             line = axes.contour(x, y, z, levels=[level], colors=VERMILION, linewidths=1.8)
-            axes.clabel(line, fontsize=8, fmt=name)
+            for text in axes.clabel(line, fontsize=8, fmt=name):
+                text.set_path_effects([withStroke(linewidth=2.5, foreground="white")])
 
 
 def _scale(axis: Axis, set_scale: Callable[[str], None], values: np.ndarray) -> None:

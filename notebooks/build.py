@@ -19,7 +19,8 @@ from nbclient import NotebookClient
 from lgmd2jax._files import replaced
 
 FOLDER = Path(__file__).parent
-NAMES = ("first_steps", "reproduce_paper", "reproduce_recorded", "reproduce_robot", "fit_biology", "deploy")
+PAPER = ("reproduce_paper", "reproduce_recorded", "reproduce_robot")
+NAMES = ("first_steps", *PAPER, "fit_biology", "sweep", "mechanism", "deploy")
 LIMIT_S, LIMIT_KB = 600, 300
 
 

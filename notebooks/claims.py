@@ -12,6 +12,7 @@ from tqdm import tqdm
 
 from lgmd2jax._files import replaced
 from notebooks.paper_claims import CLAIMS, Claim
+from notebooks.paper_claims.clips import ON_CLIPS, on_clips
 
 TABLE = Path(__file__).with_name("claims.md")
 HEAD = """# The claims of the paper, and whether they hold
@@ -21,17 +22,22 @@ frames per second; the LGMD1 is that of Yue & Rind 2006. Synthetic stimuli are t
 paper recorded is replaced by photographs and a camera with noise of two grey levels (`cluttered.toml`, `robot.toml`),
 each repeat in other noise and another phase of the camera's clock. Peaks are of the SMP after adaptation, up to the
 end of motion. Lines without a number choose otherwise what the paper leaves open. "Fitted parameters" are those of
-`fits/lgmd2`, taken to the frame rate and the field of view. Written by `python -m notebooks.claims`.
+`fits/lgmd2`, taken to the frame rate and the field of view. "Filmed clips" come from dash cameras and one held in a
+hand; they are not in this project, and are seen once each as by `lgmd2jax respond CLIP --resize 108 --drop-duplicates`.
+Written by `python -m notebooks.claims`, where LGMD2JAX_DATA names the folder of the clips.
 """
 
 
 def rows(claim: Claim) -> Iterator[str]:
-    """A claim's row of the table, and one for each choice that the paper leaves open."""
+    """A claim's row of the table, one for each choice that the paper leaves open, and one for clips that film it."""
     found = claim.measure()
     yield f"| {claim.number} | {claim.where} | {claim.text} | {found.measured} | {found.verdict} |"
     for choice, arguments in claim.choices.items():
         other = claim.measure(**arguments)
         yield f"| | | *{choice}* | {other.measured} | {other.verdict} |"
+    if claim.number in ON_CLIPS:
+        filmed = on_clips(claim.number)
+        yield f"| | | *filmed clips* | {filmed.measured} | {filmed.verdict} |"
 
 
 def table(numbers: list[int]) -> str:

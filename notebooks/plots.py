@@ -1,17 +1,22 @@
 """The pictures of the notebooks, in the style of the library's figures. Each function draws one kind."""
 
 import io
+import tempfile
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 import numpy as np
+import xarray
 from IPython.display import Image
 from matplotlib import style
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from PIL import Image as Picture
 
-from lgmd2jax import Condition, Fit, LoomingLaw, Stimulus
+from lgmd2jax import Characterisation, Condition, Fit, LoomingLaw, Stimulus
+from lgmd2jax._characterise._panels import OVER
 from lgmd2jax._figures import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, STYLE, VERMILION
+from lgmd2jax._figures_sweep import surface_figure
 from lgmd2jax.fitting._curve import variance_explained
 from notebooks.paper_claims import Seen
 
@@ -23,10 +28,15 @@ _DPI = 80
 
 def drawn(figure: Figure) -> Image:
     """The figure as the picture that a cell shows, in few colours, so that notebooks stay small."""
-    content, small = io.BytesIO(), io.BytesIO()
+    content = io.BytesIO()
     figure.savefig(content, format="png", dpi=_DPI)
-    Picture.open(content).convert("RGB").quantize(64).save(small, format="png", optimize=True)
-    return Image(small.getvalue())
+    return _small(Picture.open(content).convert("RGB").quantize(64))
+
+
+def _small(picture: Picture.Image) -> Image:
+    content = io.BytesIO()
+    picture.save(content, format="png", optimize=True)
+    return Image(content.getvalue())
 
 
 def panels(rows: int, cols: int, height: float, **options) -> tuple[Figure, np.ndarray]:
@@ -135,6 +145,18 @@ def by_contrast(peaks: np.ndarray, contrasts: Sequence[float], speeds: Sequence[
     return drawn(figure)
 
 
+def surface(
+    found: xarray.Dataset, value: str, title: str, thresholds: Mapping[str, float] | None = None, index: str = ""
+) -> Image:
+    """The figure that `lgmd2jax sweep` writes, for a column."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "surface.png")
+        surface_figure(path, found, value, index or None, thresholds or {}, title)
+        with Picture.open(path) as picture:
+            size = 800, round(800 * picture.height / picture.width)
+            return _small(picture.convert("RGB").resize(size).quantize(256, Picture.Quantize.FASTOCTREE))
+
+
 @style.context(STYLE)
 def gratings(runs: Mapping[str, Seen], T_sp: float) -> Image:
     """SMP while a grating moves and as it stops, a row of colour a grating."""
@@ -222,4 +244,27 @@ def fitted(fit: Fit, conditions: Sequence[Condition], left_out: Condition) -> Im
         axes.set(title=f"{name}, R2 {explained:.3f}", xlabel="time (ms)", xlim=(-300, 300), ylim=(0, 130))
         axes.legend(loc="upper left", fontsize=7)
     grid[0, 0].set_ylabel("spikes/s")
+    return drawn(figure)
+
+
+@style.context(STYLE)
+def gates(found: Mapping[str, Characterisation], by_contrast: Sequence[str], by_speed: Sequence[str]) -> Image:
+    """R over time for looms of several contrasts, a panel a model; and peak times over l/|v| with their lines."""
+    figure, grid = panels(1, len(by_contrast) + 1, 2.5, width_ratios=[1] * len(by_contrast) + [1.3])
+    for axes, name in zip(grid[0], by_contrast, strict=False):
+        for colour, weber in zip(ORDERED, (-0.3, -0.5, -0.7, -1.0), strict=False):
+            time, r = found[name].curves[f"dark loom at Weber {weber:g}"]
+            axes.plot(time, r, color=colour, label=f"{weber:g}")
+        axes.set(title=f"{name}: R by contrast", xlabel="time (ms)", xlim=(-700, 100), ylim=(-0.05, 1.15))
+    grid[0, 0].legend(title="Weber", loc="upper left", fontsize=7)
+    axes, key = grid[0, -1], "peak time before collision (ms)"
+    speeds = np.array(OVER[key][1], dtype=float)
+    for colour, name in zip((BLUE, VERMILION, GREEN), by_speed, strict=False):
+        times = found[name].panels[key]
+        slope, intercept = np.polyfit(speeds, times, 1)
+        axes.plot(speeds, times, "o", color=colour, markersize=4, label=name)
+        axes.plot((0, 80), (intercept, intercept + 80 * slope), color=colour, linewidth=1)
+    axes.plot((0, 80), (-18.7, 4.4 * 80 - 18.7), color=GREY, linestyle=(0, (4, 3)), label="locust")
+    axes.set(title="peak before collision (ms)", xlabel="l/|v| (ms)", ylim=(-40, 340))
+    axes.legend(loc="upper left", fontsize=7)
     return drawn(figure)

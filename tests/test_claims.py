@@ -8,7 +8,7 @@ import re
 
 import pytest
 
-from notebooks.paper_claims import CLAIMS
+from notebooks.paper_claims import CLAIMS, clips
 
 NOT_HELD = {
     17: ("later",),
@@ -27,6 +27,7 @@ HELD_BY_CHOICE = {
     24: "a ball of 130 on 220, a fifth of the speeds",
     25: "a ball of 130 on 220, a fifth of the speeds",
 }
+FILMED_NOT_HELD = {15: ("cut",), 16: ("quiet",)}  # on filmed clips
 TABLE = pathlib.Path(__file__).parents[1] / "notebooks" / "claims.md"
 
 
@@ -69,3 +70,27 @@ def test_a_choice_that_the_paper_leaves_open_makes_it_hold(number):
     claim = CLAIMS[number]
     found = claim.measure(**claim.choices[HELD_BY_CHOICE[number]])
     assert not found.failing, found.measured
+
+
+@pytest.mark.parametrize("number", [pytest.param(it, marks=pytest.mark.slow) for it in (15, 16, 18)])
+def test_what_holds_on_filmed_clips(number, data, monkeypatch):
+    monkeypatch.setattr(clips, "FOLDER", data / "clips")
+    found = clips.on_clips(number)
+    assert found.statements
+    assert found.failing == FILMED_NOT_HELD.get(number, ()), found.measured
+
+
+def test_without_clips_nothing_is_called_held(tmp_path, monkeypatch):
+    monkeypatch.setattr(clips, "FOLDER", tmp_path / "none")
+    for number in clips.ON_CLIPS:
+        found = clips.on_clips(number)
+        assert found.verdict == "not yet"
+        assert "LGMD2JAX_DATA" in found.measured
+
+
+def test_the_table_has_a_line_for_filmed_clips_where_a_claim_can_be_filmed():
+    number, filmed = None, []
+    for line in TABLE.read_text(encoding="utf-8").splitlines():
+        number = int(found[1]) if (found := re.match(r"\| (\d+) \|", line)) else number
+        filmed += [number] if "*filmed clips*" in line else []
+    assert filmed == list(clips.ON_CLIPS)

@@ -2,7 +2,13 @@
 
 from IPython.display import Markdown
 
-from notebooks.paper_claims import recorded as recorded, robot as robot, synthetic as synthetic, text as text
+from notebooks.paper_claims import (
+    clips as clips,
+    recorded as recorded,
+    robot as robot,
+    synthetic as synthetic,
+    text as text,
+)
 from notebooks.paper_claims._claim import CLAIMS as CLAIMS, Claim as Claim, Finding as Finding
 from notebooks.paper_claims._shown import (
     REST as REST,
