@@ -90,7 +90,8 @@ class Work:
             return
         from distributed.protocol.pickle import dumps
 
-        packed = self.client.scatter(dumps(task), broadcast=True)
+        # A key of its own: under one by content an earlier task's data, being released, would go with this one's.
+        packed = self.client.scatter(dumps(task), broadcast=True, hash=False)
         with self.client.get_executor(pure=False) as pool:
             yield lambda number: pool.submit(_there, packed, number, wide)
 

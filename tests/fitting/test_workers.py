@@ -14,7 +14,7 @@ from tests.alarms.test_fit import FREE, SETTINGS, START, labelled
 @pytest.fixture(scope="module")
 def client():
     """Two workers in this process: what travels is pickled all the same."""
-    settings = {"n_workers": 2, "threads_per_worker": 1, "processes": False, "dashboard_address": None}
+    settings = {"n_workers": 2, "threads_per_worker": 1, "processes": False, "dashboard_address": ":0"}
     with LocalCluster(**settings) as cluster, Client(cluster) as client:
         yield client
 
@@ -61,7 +61,7 @@ def test_fits_on_two_processes_are_those_of_threads():
     settings = {"key": jax.random.key(1), "pixel_points": 2, "cell_points": 64, "descend": 2}
     model = lgmd.LGMD2(eye=conditions[0].eye)
     here = lgmd.alarms.fit(START, clips, FREE, **SETTINGS), lgmd.fit(model, conditions, free, **settings)
-    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as cluster, Client(cluster) as client:
         there = (
             lgmd.alarms.fit(START, clips, FREE, **SETTINGS, client=client),
             lgmd.fit(model, conditions, free, **settings, client=client),

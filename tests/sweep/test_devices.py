@@ -49,7 +49,7 @@ def test_four_devices_give_what_one_gives(eye, tmp_path):
 
 @pytest.fixture(scope="module")
 def client():
-    settings = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None, "memory_limit": None}
+    settings = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": ":0", "memory_limit": None}
     with LocalCluster(**settings) as cluster, Client(cluster) as client:
         yield client
 
