@@ -34,7 +34,7 @@ def save_alarm_fit(
         (new / MARKER).write_text(json.dumps(content, indent=1, allow_nan=False) + "\n", encoding="utf-8")
         with open(new / "clips.csv", "w", newline="", encoding="utf-8") as file:
             csv.writer(file).writerows(table(fit.watch.verdicts()))
-        clips_figure(new / pictures[0], fit, name)
+        clips_figure(new / pictures[0], fit.watch, name)
         operating_figure(new / pictures[1], fit.watch)
         worst_figure(new / pictures[2], fit.watch)
         (new / "report.txt").write_text(fit.summary(held) + "\n", encoding="utf-8")

@@ -9,7 +9,7 @@ from matplotlib.patches import Patch
 
 from lgmd2jax._figures import BLACK, BLUE, GREEN, GREY, VERMILION, drawn
 from lgmd2jax._trace import stretches
-from lgmd2jax.alarms import AlarmFit, Footage, Verdict, Watch
+from lgmd2jax.alarms import Footage, Verdict, Watch
 from lgmd2jax.alarms._report import headline
 
 _LINES = 30  # clips at most
@@ -17,13 +17,13 @@ _WORST, _PICTURES = 4, 5
 _STEPS = 200
 
 
-def clips_figure(path: str | os.PathLike, fit: AlarmFit, name: str) -> None:
+def clips_figure(path: str | os.PathLike, watch: Watch, name: str) -> None:
     """A line for each clip, least margin first: where an alarm is wanted, where silence, and where it was raised."""
-    rows = _by_margin(fit.watch)[:_LINES]
+    rows = _by_margin(watch)[:_LINES]
     with drawn(path, 9, 1.4 + 0.24 * len(rows)) as figure:
         axes = figure.subplots()
         for y, (clip, trace, verdict) in enumerate(rows):
-            on = trace >= fit.watch.T_sp
+            on = trace >= watch.T_sp
             _bars(axes, clip, clip.in_silence(), y, GREY, 0.35, 0.6)
             for inside in clip.in_windows():
                 _bars(axes, clip, inside, y, GREEN, 0.45, 0.6)
@@ -58,8 +58,8 @@ def clips_figure(path: str | os.PathLike, fit: AlarmFit, name: str) -> None:
             loc="lower center",
             bbox_to_anchor=(0.5, 1.0),
         )
-        few = "" if len(rows) == len(fit.watch.clips) else f"; shown are the {len(rows)} of least margin"
-        figure.suptitle(f"{name}: {headline(fit)}{few}")
+        few = "" if len(rows) == len(watch.clips) else f"; shown are the {len(rows)} of least margin"
+        figure.suptitle(f"{name}: {headline(watch)}{few}")
 
 
 def operating_figure(path: str | os.PathLike, watch: Watch) -> None:

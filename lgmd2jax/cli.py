@@ -13,6 +13,7 @@ from lgmd2jax import (
     _command_respond,
     _command_stimuli,
     _command_sweep,
+    _command_watch,
 )
 
 
@@ -32,6 +33,7 @@ def main(arguments: list[str] | None = None) -> int:
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     for command in (
         _command_respond,
+        _command_watch,
         _command_fit,
         _command_predict,
         _command_characterise,

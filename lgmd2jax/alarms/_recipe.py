@@ -39,7 +39,7 @@ class AlarmRecipe:
     model: LGMD2
     free: Free
     file: FootageFile
-    weights: Mapping[str, float]
+    weights: Mapping[str, float | int]
     solver: Mapping[str, Any]
     validation: Rendered | None
     table: Mapping[str, Any]

@@ -40,27 +40,33 @@ def html(fit: "AlarmFit", held: Held | None = None) -> str:
     return as_html(_sections(fit, held))
 
 
-def headline(fit: "AlarmFit") -> str:
+def watched(watch: Watch) -> str:
+    """What a model does on clips, as text."""
+    return as_text([_clips(watch, {})])
+
+
+def headline(watch: Watch) -> str:
     """In a line, how right the model is."""
-    verdicts = fit.watch.verdicts()
-    right = sum(verdict.right for verdict in verdicts)
-    return f"right on {right} of {len(verdicts)} clips" + (f", by a margin of {fit.margin:.3f}" if not fit.cost else "")
+    judged = [it for it in watch.verdicts() if not math.isnan(it.margin)]
+    right = sum(it.right for it in judged)
+    margin = min((it.margin for it in judged), default=math.nan)
+    return f"right on {right} of {len(judged)} clips" + (f", by a margin of {margin:.3f}" if margin > 0 else "")
 
 
 def _sections(fit: "AlarmFit", held: Held | None) -> list[Section]:
-    sections = [_clips(fit), _found(fit), _parameters(fit)]
+    sections = [_clips(fit.watch, fit.left_out), _found(fit), _parameters(fit)]
     if held is not None:
         sections.insert(1, _held(held))
     return sections
 
 
-def _clips(fit: "AlarmFit") -> Section:
-    verdicts, score = fit.watch.verdicts(), fit.watch.score()
+def _clips(watch: Watch, left_out: Mapping[str, int]) -> Section:
+    verdicts, score = watch.verdicts(), watch.score()
     shown = verdicts if len(verdicts) <= _MOST else sorted(verdicts, key=lambda it: (it.right, it.margin))[:_MOST]
     warnings = [it.warning_ms for it in verdicts if not math.isnan(it.warning_ms)]
     sentences = [
-        f"{headline(fit)}: of {fit.watch.windows} windows hit {_percent(score.hits)}; "
-        f"in {fit.watch.silent_minutes:.2f} silent minutes {_rate(score.false_alarms)} false alarms a minute.",
+        f"{headline(watch)}: of {watch.windows} windows hit {_percent(score.hits)}; "
+        f"in {watch.silent_minutes:.2f} silent minutes {_rate(score.false_alarms)} false alarms a minute.",
         "A margin says how far T_sp may move, in units of the adapted potential, before the verdict changes.",
     ]
     if warnings:
@@ -69,15 +75,15 @@ def _clips(fit: "AlarmFit") -> Section:
             f"Time from the first alarm in a window to contact: {ordered[0]:.0f} to {ordered[-1]:.0f} ms, "
             f"median {ordered[len(ordered) // 2]:.0f}."
         )
-    if not any(clip.silent for clip in fit.watch.clips):
+    if not any(clip.silent for clip in watch.clips):
         sentences.append("No clip has a silence: nothing here speaks against a model that always fires.")
     columns = ("clip", "alarms in frames", "before contact|", "margin|", "verdict")
-    columns += ("without this clip",) if fit.left_out else ()
+    columns += ("without this clip",) if left_out else ()
     few = "" if len(shown) == len(verdicts) else f": the {_MOST} of least margin of {len(verdicts)}"
-    return Section(f"Clips{few}", columns, tuple(_row(it, fit) for it in shown), tuple(sentences))
+    return Section(f"Clips{few}", columns, tuple(_row(it, left_out) for it in shown), tuple(sentences))
 
 
-def _row(verdict: Verdict, fit: "AlarmFit") -> tuple[str, ...]:
+def _row(verdict: Verdict, left_out: Mapping[str, int]) -> tuple[str, ...]:
     alarms = ", ".join(f"{first}-{last}" for first, last in verdict.alarms) or "none"
     warning = "" if math.isnan(verdict.warning_ms) else f"{verdict.warning_ms:.0f} ms"
     missed = verdict.hits.count(False)
@@ -85,10 +91,10 @@ def _row(verdict: Verdict, fit: "AlarmFit") -> tuple[str, ...]:
     judged = bool(verdict.hits) or not math.isnan(verdict.margin)
     row = (verdict.clip, alarms, warning, f"{verdict.margin:+.3f}" if judged else "")
     row += (", ".join(wrong) or ("right" if judged else "not judged"),)
-    if not fit.left_out:
+    if not left_out:
         return row
-    left_out = fit.left_out.get(verdict.clip)
-    return (*row, "" if left_out is None else "wrong" if left_out else "right")
+    wrong_without = left_out.get(verdict.clip)
+    return (*row, "" if wrong_without is None else "wrong" if wrong_without else "right")
 
 
 def _found(fit: "AlarmFit") -> Section:

@@ -31,6 +31,9 @@ N_sp = 4
 [free]
 k = { low = 0.1, high = 2 }
 T_ffi = { low = 2, high = 60 }
+[weights]
+miss = 1
+false_alarm = 2.5
 [solver]
 pixel_points = 1
 cell_points = 64
@@ -123,3 +126,20 @@ def test_clips_go_with_alarms_alone(place, capsys):
 def test_a_protocol_of_labelled_clips_is_no_protocol_of_stimuli(capsys):
     with pytest.raises(ValueError, match="holds labelled clips, for recipes of kind 'alarms'"):
         lgmd.load_protocol("video")
+
+
+def test_a_model_is_judged_on_clips_without_a_fit(place, capsys):
+    files = place / "seen.csv", place / "seen.png"
+    model = ["--model", str(place / "mine/model.json")]
+    assert not main(["watch", str(place / "clips.toml"), *model, "--csv", str(files[0]), "--figure", str(files[1])])
+    with open(files[0], newline="") as seen, open(place / "mine/clips.csv", newline="") as fitted:
+        assert list(csv.reader(seen)) == list(csv.reader(fitted))[:-1]  # the last is the own clip
+    assert files[1].stat().st_size > 1000
+    assert "clip" in capsys.readouterr().out
+
+
+def test_watching_takes_an_lgmd2_and_labels(place, capsys):
+    assert main(["watch", str(place / "clips.toml"), "--model", "preset:yue_rind"]) != 0
+    assert "is no LGMD2" in capsys.readouterr().err
+    assert main(["watch", str(place / "mine.toml")]) != 0
+    assert "unknown key" in capsys.readouterr().err

@@ -8,7 +8,7 @@ from distributed import Client, LocalCluster
 import lgmd2jax as lgmd
 from lgmd2jax.alarms import Rendered, rendered
 from lgmd2jax.fitting._work import Work
-from tests.alarms.test_fit import FREE, SETTINGS, START, labelled
+from tests.alarms.test_fit import EYE, FREE, SETTINGS, START, labelled
 
 
 @pytest.fixture(scope="module")
@@ -55,7 +55,7 @@ def test_what_is_no_client_is_refused():
 
 @pytest.mark.slow
 def test_fits_on_two_processes_are_those_of_threads():
-    clips = labelled(tuple(rendered(START.eye, Rendered(8, seed=5))))
+    clips = labelled(tuple(rendered(EYE, Rendered(8, seed=5))))
     conditions = lgmd.load_protocol("twin").conditions[:2]
     free = lgmd.Free(k=lgmd.Log(0.1, 2), tau3=lgmd.Log(100, 1000))
     settings = {"key": jax.random.key(1), "pixel_points": 2, "cell_points": 64, "descend": 2}
