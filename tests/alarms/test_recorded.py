@@ -1,6 +1,9 @@
 """Alarms on recorded clips: what was labelled by eye, by the fit and by its choice without each clip."""
 
+import dataclasses
+
 import jax
+import numpy as np
 import pytest
 
 import lgmd2jax as lgmd
@@ -72,8 +75,9 @@ def test_all_six_are_right_and_the_left_out_ones_are_told(clips, record_property
     verdicts = {it.clip: it for it in found.watch.verdicts()}
     assert all(it.right for it in verdicts.values())
     # The network itself, from the frames on, says the same.
+    network = dataclasses.replace(found.model, eye=None)  # clips of other frame rates are no mistake here
     for clip in clips:
-        collision = clip.index[found.model(clip.frames, clip.fps).collision > 0]
+        collision = clip.index[np.asarray(network(clip.frames, clip.fps).collision) > 0]
         assert verdicts[clip.name].alarms == () or verdicts[clip.name].alarms[0][0] == collision[0]
         assert len(collision) == 0 or verdicts[clip.name].alarms
     assert set(found.left_out) == {"c29", "tc22", "c21", "nc03", "nc07", "cup"}
