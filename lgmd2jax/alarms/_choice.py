@@ -1,24 +1,26 @@
-"""The threshold that suits a set of clips best: where it errs least, and there as far as possible from erring."""
+"""The threshold that suits a set of clips best: where the least is at risk."""
 
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float
+from scipy.special import expit
+
+_COARSE, _FINE = 41, 21  # thresholds looked at between the bounds, then between the neighbours of the best
 
 
 class Choice(NamedTuple):
-    """For each candidate: the T_sp, the weight of what it gets wrong, and how far T_sp may move up and down.
+    """For each candidate the best T_sp, and what it does.
 
-    `margin` is half the gap in which T_sp changes no verdict, in units of U'.
+    - `risk`: the weight of all events, each by a logistic share that is 1/2 at T_sp, 0 far on its right side and 1 far
+      on its wrong one.
+    - `cost`: the weight of what is wrong. `margin`: how far T_sp may move before a verdict changes, in units of U'.
     """
 
     threshold: Float[np.ndarray, " candidate"]
+    risk: Float[np.ndarray, " candidate"]
     cost: Float[np.ndarray, " candidate"]
     margin: Float[np.ndarray, " candidate"]
-
-    def order(self) -> np.ndarray:
-        """The candidates, the best first: of least cost, and among these of the largest margin."""
-        return np.lexsort((-self.margin, self.cost))
 
 
 def choose(
@@ -27,23 +29,29 @@ def choose(
     weights: Float[np.ndarray, " event"],
     low: float,
     high: float,
+    slack: float,
 ) -> Choice:
-    """The best T_sp in [low, high] of each candidate, exactly: the threshold needs no search.
+    """The T_sp of least risk in [low, high] of each candidate: the threshold needs no search.
+
+    What is right on all clips has a risk that its worst events rule, so that the least one has the widest margin; where
+    no candidate is, events that hang by a hair count for half, and the choice does not lean on them.
 
     **Arguments:** `peaks`: the largest evidence in each event, which is a window in which an alarm is `wanted`, or all
-    that must be silent of a clip. `weights`: what it costs to miss it, or to give a false alarm there.
+    that must be silent of a clip. `weights`: what it costs to miss it, or to give a false alarm there. `slack`: the
+    scale of the logistic, in units of U'.
     """
-    inside = np.clip(peaks, low, high)
-    order = np.argsort(inside, axis=1, kind="stable")
-    hit = wanted[order]
-    weight = weights[order]
-    # Below the threshold lie missed windows and clips that are rightly silent.
-    none = np.zeros((len(peaks), 1))
-    cost = np.hstack([none, np.cumsum(np.where(hit, weight, -weight), axis=1)]) + weights[~wanted].sum()
-    levels = np.hstack([none + low, np.take_along_axis(inside, order, axis=1), none + high])
-    gap = np.diff(levels, axis=1)
-    # Where two peaks are equal no threshold lies between them, nor outside of the bounds.
-    cost = np.where(gap > 0, cost, np.inf)
-    best = np.argmax(np.where(cost <= cost.min(axis=1, keepdims=True), gap, -1.0), axis=1)[:, None]
-    lower, width = (np.take_along_axis(it, best, axis=1)[:, 0] for it in (levels[:, :-1], gap))
-    return Choice(lower + width / 2, np.take_along_axis(cost, best, axis=1)[:, 0], width / 2)
+    side, weights_ = np.where(wanted, -1.0, 1.0).astype(np.float32), weights.astype(np.float32)
+    scaled = peaks.astype(np.float32)
+
+    def risk(threshold):
+        return expit(side * (scaled - np.reshape(threshold, (-1, 1)).astype(np.float32)) / np.float32(slack)) @ weights_
+
+    coarse = np.linspace(low, high, _COARSE)
+    best = coarse[np.argmin([risk(it) for it in coarse], axis=0)]
+    fine = np.clip(best + np.linspace(-1, 1, _FINE)[:, None] * (coarse[1] - coarse[0]), low, high)
+    risks = np.array([risk(row) for row in fine])
+    place = risks.argmin(axis=0)[None]
+    threshold = np.take_along_axis(fine, place, axis=0)[0]
+    wrong = (peaks >= threshold[:, None]) != wanted
+    margin = np.abs(peaks - threshold[:, None]).min(axis=1)
+    return Choice(threshold, np.take_along_axis(risks, place, axis=0)[0].astype(float), wrong @ weights, margin)

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
 TEMPERATURES = (0.5, 0.2, 0.05)
 _RTOL, _ATOL = 3e-3, 1e-8
+_SLACK = 0.01  # of U': an event so near to T_sp is at risk
 _RADIUS = 0.05  # of the search around what a descent reached, in the unit box
 _PARENTS = 8  # of a generation
 _REACH = 0.1  # of the first generation, in the unit box; each of the next goes half as far
@@ -179,13 +180,13 @@ class _Starts:
         best = []
         for group in self.groups:
             chosen = choice if group.all() else _choice(self.problem, peaks, group)
-            first = int(chosen.order()[0])
+            first = int(chosen.risk.argmin())
             best.append(_entry(self.problem, point, tried[first], peaks[first], chosen, first))
         right = np.tile(point, (int((choice.cost == 0).sum()), 1))
         right[:, list(self.problem.searched)] = tried[choice.cost == 0]
         ends = [right.min(axis=0).tolist(), right.max(axis=0).tolist()] if len(right) else None
         counts = {"count": len(tried), "right": len(right), "ends": ends}
-        return {"best": best, "loss": best[0]["cost"], **counts}
+        return {"best": best, "loss": best[0]["risk"], **counts}
 
     def descend(self, chosen: dict[int, dict[str, Any]], number: int, stop: Stop) -> dict[str, Any]:
         """From a candidate towards larger margins; the best that the hard model was seen to do."""
@@ -199,10 +200,10 @@ class _Starts:
             tried = np.vstack([z[searched], near[1:]])
             peaks = np.asarray(look(self.problem, z, tried))
             choice = _choice(self.problem, peaks)
-            first = int(choice.order()[0])
+            first = int(choice.risk.argmin())
             here = _entry(self.problem, z, tried[first], peaks[first], choice, first)
             best, z = min(best, here, key=_rank), np.array(here["z"])
-        return {"after": best, "loss": best["cost"]}
+        return {"after": best, "loss": best["risk"]}
 
 
 def _check(model: LGMD2, clips: Sequence[Footage], counts: dict[str, int], weights: dict[str, float | int]) -> None:
@@ -237,7 +238,8 @@ def _groups(problem: AlarmProblem, clips: int) -> list[np.ndarray]:
 
 def _choice(problem: AlarmProblem, peaks: np.ndarray, among: np.ndarray | slice = slice(None)) -> Choice:
     freedom = problem.free.freedoms[problem.threshold]
-    return choose(peaks[:, among], problem.wanted[among], problem.weights[among], freedom.low, freedom.high)
+    bounds = freedom.low, freedom.high
+    return choose(peaks[:, among], problem.wanted[among], problem.weights[among], *bounds, _SLACK)
 
 
 def _entry(
@@ -247,15 +249,15 @@ def _entry(
     z = np.array(point)
     z[list(problem.searched)] = cell
     z[problem.threshold] = float(problem.free.freedoms[problem.threshold].place(choice.threshold[place]))
-    numbers = {"cost": float(choice.cost[place]), "margin": float(choice.margin[place])}
+    numbers = {name: float(getattr(choice, name)[place]) for name in ("risk", "cost", "margin")}
     return {"z": z.tolist(), "peaks": peaks.tolist(), "threshold": float(choice.threshold[place]), **numbers}
 
 
-def _rank(entry: dict[str, Any]) -> tuple[float, float]:
-    return entry["cost"], -entry["margin"]
+def _rank(entry: dict[str, Any]) -> float:
+    return entry["risk"]
 
 
-def _rank_of(screened: dict[str, Any]) -> tuple[float, float]:
+def _rank_of(screened: dict[str, Any]) -> float:
     return _rank(screened["best"][0])
 
 
