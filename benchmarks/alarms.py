@@ -43,7 +43,7 @@ def main() -> None:
         z = np.array(start)
         z[pixels] = points[number][pixels]
         peaks = np.asarray(look(problem, z, sobol(len(problem.searched), CELLS, (0, number))))
-        return {"loss": float(choose(peaks, problem.wanted, problem.weights, 0.55, 0.95).cost.min())}
+        return {"loss": float(choose(peaks, problem.wanted, problem.weights, 0.55, 0.95, 0.01).risk.min())}
 
     began = time.perf_counter()
     screen(0, None)

@@ -60,8 +60,8 @@ def fit(
     For each of the `pixel_points` all clips are seen once; `cell_points` cells are tried on what the pixels summed, and
     of each the best T_sp is known exactly. Then the neighbourhood of the best is searched, ever closer, generation by
     generation. The best are descended on soft thresholds, towards larger margins, with searches of the cell between;
-    every candidate is judged by the hard model. What errs least is handed over, and of that what has the widest margin:
-    T_sp may move by so much, in units of U', before a verdict changes.
+    every candidate is judged by the hard model. What is at least risk is handed over: of what is right on all clips
+    that with the widest margin, by which T_sp may move, in units of U', before a verdict changes.
 
     **Arguments:**
 
@@ -98,6 +98,7 @@ def fit(
         screened = work.do("screening", starts.screen, range(len(points)), first)
         if not screened:
             raise KeyboardInterrupt
+        anywhere = tuple(screened.values())  # what is near the best says nothing of how large the region is
         for generation in range(generations):
             parents = [it["best"][0]["z"] for it in sorted(screened.values(), key=_rank_of)[:_PARENTS]]
             task = partial(starts.near, parents, _REACH / 2**generation)
@@ -124,9 +125,9 @@ def fit(
         cost=best["cost"],
         margin=best["margin"],
         watch=watch(chosen, clips),
-        screened=sum(it["count"] for it in screened.values()),
-        right=sum(it["right"] for it in screened.values()),
-        ranges=_ranges(problem, screened),
+        screened=sum(it["count"] for it in anywhere),
+        right=sum(it["right"] for it in anywhere),
+        ranges=_ranges(problem, anywhere),
         descended=tuple(
             Descended(number, screened[number]["best"][0]["margin"], it["after"]["margin"], it["after"]["cost"])
             for number, it in descended.items()
@@ -267,9 +268,9 @@ def _errors(problem: AlarmProblem, entry: dict[str, Any], among: np.ndarray) -> 
     return int((on != problem.wanted)[among].sum())
 
 
-def _ranges(problem: AlarmProblem, screened: dict[int, Any]) -> dict[str, tuple[float, float]]:
+def _ranges(problem: AlarmProblem, screened: Sequence[dict[str, Any]]) -> dict[str, tuple[float, float]]:
     """Between which values each parameter lay in the sets that were right on all clips; T_sp is chosen for each."""
-    ends = np.array([it["ends"] for it in screened.values() if it["ends"] is not None])
+    ends = np.array([it["ends"] for it in screened if it["ends"] is not None])
     if not len(ends):
         return {}
     low, high = ends[:, 0].min(axis=0), ends[:, 1].max(axis=0)

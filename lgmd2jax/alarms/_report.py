@@ -99,8 +99,8 @@ def _row(verdict: Verdict, left_out: Mapping[str, int]) -> tuple[str, ...]:
 
 def _found(fit: "AlarmFit") -> Section:
     sentences = [
-        f"Of {fit.screened} parameter sets {fit.right} ({fit.right / fit.screened:.2%}) are right on all clips, each "
-        "with the T_sp that suits it best."
+        f"Of {fit.screened} parameter sets anywhere within the bounds {fit.right} ({fit.right / fit.screened:.2%}) are "
+        "right on all clips, each with the T_sp that suits it best."
     ]
     for it in fit.descended:
         after = f"{it.after:.3f}" + (f" at a cost of {it.cost:g}" if it.cost else "")

@@ -30,10 +30,11 @@ class AlarmFit:
     - `cost`: the weight of what it gets wrong; 0 where it is right on all clips.
     - `margin`: how far T_sp may move, up or down, before a verdict changes, in units of U'.
     - `watch`: what it does on the clips.
-    - `screened`, `right`: how many parameter sets were tried, and how many of them were right on all clips.
+    - `screened`, `right`: how many parameter sets were tried anywhere within the bounds, and how many of them were
+      right on all clips.
     - `ranges`: between which values each parameter lay in those.
     - `descended`: the best starts, and what descending brought.
-    - `left_out`: for each clip what the set that is best without it gets wrong on it; empty for many clips.
+    - `left_out`: for each clip what the set at least risk without it gets wrong on it; empty for many clips.
     - `stopped`: whether it was stopped by hand.
     """
 

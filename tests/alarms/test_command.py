@@ -75,7 +75,7 @@ def test_the_folder(place):
     }
     assert not list(place.glob(".*"))
     content = json.loads((place / "mine/fit.json").read_text())
-    assert content["screened"] == 128
+    assert content["screened"] == 64
     assert set(content["values"]) == {"k", "T_ffi", "T_sp"}
     assert content["held_out"]["windows"] == 2
     report = (place / "mine/report.txt").read_text()

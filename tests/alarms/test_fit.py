@@ -56,7 +56,7 @@ def test_verdicts_of_a_known_network_are_found_again(clips, fitted):
     assert not all(it.right for it in watch(START, clips).verdicts())  # the start knows nothing of them
     assert fitted.cost == 0
     assert all(it.right for it in fitted.watch.verdicts())
-    assert 0 < fitted.right < fitted.screened == (4 + 1) * 128
+    assert 0 < fitted.right < fitted.screened == 4 * 128
 
 
 def test_the_margin_is_how_far_T_sp_may_move(clips, fitted):
