@@ -71,7 +71,7 @@ def fit(
     - `key`: of the search's random points. The same key gives the same fit.
     - `miss`, `false_alarm`: what it costs to miss a window, and to break the silence of a clip.
     - `pixel_points`, `cell_points`, `descend`, `temperatures`, `max_steps`: as for `lgmd2jax.fit`.
-    - `generations`: of the search near the best, each a quarter of the pixel points.
+    - `generations`: of the search near the best, each a quarter of the pixel points; 0 for none, as for `descend`.
     - `progress`: show a bar.
     - `memory`: a mapping that keeps finished work; given again, the fit goes on from there.
     - `client`: of a Dask cluster, on whose workers the starts are spread instead of on the cores here.
@@ -79,10 +79,11 @@ def fit(
     **Raises:** `ValueError` for no clips, for clips in which no alarm is wanted, for a start outside of its bounds, and
     for numbers that make no sense.
     """
-    counts = {"pixel_points": pixel_points, "cell_points": cell_points, "descend": descend, "max_steps": max_steps}
+    counts = {"pixel_points": pixel_points, "cell_points": cell_points, "max_steps": max_steps}
     _check(model, clips, counts, {"miss": miss, "false_alarm": false_alarm})
-    if not isinstance(generations, int) or generations < 0:
-        raise ValueError(f"generations is {generations!r}; give a whole number, 0 or more")
+    for name, count in {"generations": generations, "descend": descend}.items():
+        if not isinstance(count, int) or count < 0:
+            raise ValueError(f"{name} is {count!r}; give a whole number, 0 or more")
     model = dataclasses.replace(model, thresholds=Hard())
     if "T_sp" not in free.names:
         free = free.also(T_sp=None)
@@ -109,7 +110,7 @@ def fit(
         one_step = partial(_descent.solve, problem, start, starts.temperatures[0], solver, 1)
         descended = work.do("descending", partial(starts.descend, chosen), ranked, one_step)
         stopped = work.stop.is_set()
-    candidates = [screened[ranked[0]]["best"][0], *(it["after"] for it in descended.values())]
+    candidates = [*(it["best"][0] for it in screened.values()), *(it["after"] for it in descended.values())]
     best = min(candidates, key=_rank)
     parameters, _ = free.insert(model.parameters, Observation(), np.array(best["z"]))
     chosen = dataclasses.replace(model, parameters=parameters)

@@ -38,9 +38,7 @@ false_alarm = 2.5
 pixel_points = 1
 cell_points = 64
 generations = 1
-descend = 1
-temperatures = [0.5]
-max_steps = 2
+descend = 0
 [validation]
 count = 4
 seed = 9
