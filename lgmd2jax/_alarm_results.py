@@ -1,6 +1,5 @@
 """The results of a fit of alarms as a folder."""
 
-import csv
 import json
 from pathlib import Path
 from typing import Any
@@ -10,8 +9,9 @@ from lgmd2jax._fit_file import plain
 from lgmd2jax._folder import replaced_folder
 from lgmd2jax._report_page import report_page
 from lgmd2jax._results import MARKER, OWN
-from lgmd2jax.alarms import AlarmFit, Held
-from lgmd2jax.alarms._report import html, table
+from lgmd2jax.alarms import AlarmFit, Held, Score
+from lgmd2jax.alarms._report import html, write_table
+from lgmd2jax.fitting._descent import STOPPED
 
 _FORMAT, _VERSION = "lgmd2jax-alarm-fit", 1
 
@@ -32,8 +32,7 @@ def save_alarm_fit(
         save(fit.model, new / "model.json", provenance=provenance)
         content = {"format": _FORMAT, "version": _VERSION, "name": name, **plain(_content(fit, held)), **plain(made)}
         (new / MARKER).write_text(json.dumps(content, indent=1, allow_nan=False) + "\n", encoding="utf-8")
-        with open(new / "clips.csv", "w", newline="", encoding="utf-8") as file:
-            csv.writer(file).writerows(table(fit.watch.verdicts()))
+        write_table(new / "clips.csv", fit.watch.verdicts())
         clips_figure(new / pictures[0], fit.watch, name)
         operating_figure(new / pictures[1], fit.watch)
         worst_figure(new / pictures[2], fit.watch)
@@ -43,7 +42,6 @@ def save_alarm_fit(
 
 
 def _content(fit: AlarmFit, held: Held | None) -> dict[str, Any]:
-    score = fit.watch.score()
     return {
         "free": {it.name: {"low": it.low, "high": it.high, "scale": it.scale} for it in fit.free.freedoms},
         "values": {name: float(getattr(fit.model.parameters, name)) for name in fit.free.names},
@@ -55,16 +53,17 @@ def _content(fit: AlarmFit, held: Held | None) -> dict[str, Any]:
         "ranges": fit.ranges,
         "descended": [it._asdict() for it in fit.descended],
         "left_out": fit.left_out,
-        "score": {"hits": score.hits._asdict(), "false_alarms": score.false_alarms._asdict()},
+        "score": _shares(fit.watch.score()),
         "held_out": None
         if held is None
         else {
             "windows": held.windows,
             "silent_minutes": held.minutes,
-            "scores": {
-                name: {"hits": it.hits._asdict(), "false_alarms": it.false_alarms._asdict()}
-                for name, it in held.scores.items()
-            },
+            "scores": {name: _shares(it) for name, it in held.scores.items()},
         },
-        "result": "stopped by hand" if fit.stopped else "searched and descended",
+        "result": STOPPED if fit.stopped else "searched and descended",
     }
+
+
+def _shares(score: Score) -> dict[str, Any]:
+    return {"hits": score.hits._asdict(), "false_alarms": score.false_alarms._asdict()}

@@ -56,6 +56,12 @@ def read_named(name: str | Path, kind: str, content: Callable[[Path, dict[str, A
         raise ValueError(f"{path}: {error}") from error
 
 
+def beside(path: Path, name: str) -> Path | str:
+    """What a file names: another one that lies beside it, else what is found by the name itself."""
+    place = path.parent / name
+    return place if place.is_file() else name
+
+
 def results_folder(name: str | Path, output: str | Path | None = None) -> Path:
     """Where results go: `output`, else beside the file that was named, else (a shipped one) the current folder."""
     if output is not None:

@@ -18,6 +18,7 @@ from lgmd2jax._results import MARKER
 from lgmd2jax.alarms import AlarmRecipe, Footage, load_footage, load_recipe, watch
 from lgmd2jax.alarms._recipe import KIND as KIND
 from lgmd2jax.alarms._report import Held
+from lgmd2jax.fitting._descent import STOPPED
 
 _ROBOT_T_SP = 0.65  # Table I's range is .65 on the robot to .78 off line
 
@@ -45,7 +46,7 @@ def run(options: argparse.Namespace) -> None:
     print(fit.summary(held))
     print(f"\nwrote {folder}/ in {time.monotonic() - began:.0f} s; open {folder}/report.html")
     if fit.stopped:
-        print("stopped by hand: this is the best so far; go on with --resume")
+        print(f"{STOPPED}: this is the best so far; go on with --resume")
         raise SystemExit(130)
     memory.forget()
 

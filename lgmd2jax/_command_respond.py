@@ -13,7 +13,7 @@ import numpy as np
 from tqdm import tqdm
 
 from lgmd2jax._files import replaced
-from lgmd2jax._model_argument import MODEL_HELP, model_named, with_parameters
+from lgmd2jax._model_argument import add_model, model_named, with_parameters
 from lgmd2jax._network import Network
 from lgmd2jax._overlay import Overlay, video_writer
 from lgmd2jax._repeats import RULE
@@ -45,10 +45,7 @@ def add(commands) -> None:
         epilog=_EXAMPLES,
     )
     parser.add_argument("clip", metavar="CLIP", type=Path, help="a video file, or a folder of images in natural order")
-    parser.add_argument("--model", default="preset:lgmd2", help=MODEL_HELP)
-    parser.add_argument(
-        "--set", action="append", default=[], metavar="NAME=VALUE", help="set one parameter; may be repeated"
-    )
+    add_model(parser)
     parser.add_argument("--csv", type=Path, metavar="FILE", help="the numbers (default: CLIP's name with .csv, here)")
     parser.add_argument("--figure", type=Path, metavar="FILE", help="the figure (default: CLIP's name with .png, here)")
     parser.add_argument("--overlay", type=Path, metavar="FILE", help="the clip with trace and alarm drawn on it")

@@ -2,14 +2,13 @@
 
 import argparse
 import contextlib
-import csv
 from pathlib import Path
 
 from lgmd2jax._files import replaced
 from lgmd2jax._model import LGMD2
-from lgmd2jax._model_argument import MODEL_HELP, model_named, with_parameters
+from lgmd2jax._model_argument import add_model, model_named, with_parameters
 from lgmd2jax.alarms import load_footage, watch
-from lgmd2jax.alarms._report import table, watched
+from lgmd2jax.alarms._report import watched, write_table
 
 _EXAMPLES = """\
 examples:
@@ -32,10 +31,7 @@ def add(commands) -> None:
         epilog=_EXAMPLES,
     )
     parser.add_argument("labels", metavar="LABELS", help="a TOML file of labelled clips, or the name of a shipped one")
-    parser.add_argument("--model", default="preset:lgmd2", help=MODEL_HELP)
-    parser.add_argument(
-        "--set", action="append", default=[], metavar="NAME=VALUE", help="set one parameter; may be repeated"
-    )
+    add_model(parser)
     parser.add_argument("--csv", type=Path, metavar="FILE", help="also write a row for each clip")
     parser.add_argument("--figure", type=Path, metavar="FILE", help="also draw a line for each clip")
     parser.set_defaults(run=run)
@@ -56,8 +52,7 @@ def run(options: argparse.Namespace) -> None:
         files = {path: stack.enter_context(replaced(path)) for path in outputs}
         seen = watch(model, load_footage(options.labels).load())
         if options.csv:
-            with open(files[options.csv], "w", newline="", encoding="utf-8") as file:
-                csv.writer(file).writerows(table(seen.verdicts()))
+            write_table(files[options.csv], seen.verdicts())
         if options.figure:
             clips_figure(files[options.figure], seen, options.model)
     print(watched(seen))

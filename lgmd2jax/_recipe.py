@@ -11,7 +11,7 @@ import jax
 import numpy as np
 
 from lgmd2jax._arguments import check_keys, section
-from lgmd2jax._catalogue import read_named
+from lgmd2jax._catalogue import beside, read_named
 from lgmd2jax._eye import Eye
 from lgmd2jax._model import LGMD2
 from lgmd2jax._observation import Observation, observation_symbols
@@ -116,7 +116,7 @@ def _recipe(path: Path, table: dict[str, Any]) -> Recipe:
     for name in (*profile, *truth):
         if name not in free.names:
             raise ValueError(f"{name!r} is not free; choose {', '.join(free.names)}")
-    protocol = load_protocol(beside if (beside := path.parent / table["protocol"]).is_file() else table["protocol"])
+    protocol = load_protocol(beside(path, table["protocol"]))
     pairs = tuple(rendered(protocol.conditions))
     if validation.get("looming_law", False):
         check_approaches(pairs)

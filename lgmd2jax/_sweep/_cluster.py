@@ -1,5 +1,6 @@
 """Blocks on the workers of a Dask cluster: each compiles once, and writes its own chunks of the store."""
 
+import functools
 import os
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
@@ -47,9 +48,15 @@ def _work(number: int, packed: bytes, wide: bool, path: str | None) -> Results |
     keep_to_own_cores()
     with jax.enable_x64(wide):
         plan = unpacked(packed)
-        store = None if path is None else Store(plan, path)
+        store = None if path is None else _opened(packed, path)
         found = plan.compute(number)
     if store is None:
         return found
     store.write(number, found)
     return None
+
+
+@functools.lru_cache(maxsize=2)
+def _opened(packed: bytes, path: str) -> Store:
+    """Once for all blocks of a sweep."""
+    return Store(unpacked(packed), path)

@@ -5,7 +5,6 @@ from collections.abc import Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-import jax
 import numpy as np
 from jaxtyping import Array, Float
 
@@ -20,15 +19,14 @@ from lgmd2jax.alarms._search import look
 from lgmd2jax.alarms._watch import watch
 from lgmd2jax.fitting import _descent
 from lgmd2jax.fitting._bounded import BoundedLevenbergMarquardt
+from lgmd2jax.fitting._fit import ATOL, RTOL, TEMPERATURES, check_counts
 from lgmd2jax.fitting._free import Free
-from lgmd2jax.fitting._search import sobol
+from lgmd2jax.fitting._search import sobol, starting_points, words_of
 from lgmd2jax.fitting._work import Memory, Stop, Work
 
 if TYPE_CHECKING:
     from distributed import Client
 
-TEMPERATURES = (0.5, 0.2, 0.05)
-_RTOL, _ATOL = 3e-3, 1e-8
 _SLACK = 0.01  # of U': an event so near to T_sp is at risk
 _RADIUS = 0.05  # of the search around what a descent reached, in the unit box
 _PARENTS = 8  # of a generation
@@ -79,19 +77,17 @@ def fit(
     **Raises:** `ValueError` for no clips, for clips in which no alarm is wanted, for a start outside of its bounds, and
     for numbers that make no sense.
     """
-    counts = {"pixel_points": pixel_points, "cell_points": cell_points, "max_steps": max_steps}
-    _check(model, clips, counts, {"miss": miss, "false_alarm": false_alarm})
-    for name, count in {"generations": generations, "descend": descend}.items():
-        if not isinstance(count, int) or count < 0:
-            raise ValueError(f"{name} is {count!r}; give a whole number, 0 or more")
+    _check(model, clips, {"miss": miss, "false_alarm": false_alarm})
+    check_counts({"pixel_points": pixel_points, "cell_points": cell_points, "max_steps": max_steps}, at_least=1)
+    check_counts({"generations": generations, "descend": descend}, at_least=0)
     model = dataclasses.replace(model, thresholds=Hard())
     if "T_sp" not in free.names:
         free = free.also(T_sp=None)
     problem = problem_of(model, free, clips, float(miss), float(false_alarm))
     start = free.place(model.parameters, Observation())
-    seed = tuple(int(word) for word in np.ravel(jax.random.key_data(key)))
-    points = _points(problem, start, pixel_points, seed)
-    solver = BoundedLevenbergMarquardt(_RTOL, _ATOL, lower=0.0, upper=1.0)
+    seed = words_of(key)
+    points = starting_points(problem, start, pixel_points, seed)
+    solver = BoundedLevenbergMarquardt(RTOL, ATOL, lower=0.0, upper=1.0)
     groups = _groups(problem, len(clips))
     starts = _Starts(problem, points, groups, cell_points, seed, tuple(map(float, temperatures)), solver, max_steps)
     with Work({} if memory is None else memory, progress, client) as work:
@@ -101,22 +97,22 @@ def fit(
             raise KeyboardInterrupt
         anywhere = tuple(screened.values())  # what is near the best says nothing of how large the region is
         for generation in range(generations):
-            parents = [it["best"][0]["z"] for it in sorted(screened.values(), key=_rank_of)[:_PARENTS]]
+            parents = [it["best"][0]["z"] for it in sorted(screened.values(), key=_risk)[:_PARENTS]]
             task = partial(starts.near, parents, _REACH / 2**generation)
             count = max(1, pixel_points // 4)
             screened |= work.do(f"generation {generation + 1}", task, range(len(screened), len(screened) + count))
-        ranked = sorted(screened, key=lambda number: _rank_of(screened[number]))[:descend]
+        ranked = sorted(screened, key=lambda number: _risk(screened[number]))[:descend]
         chosen = {number: screened[number]["best"][0] for number in ranked}
         one_step = partial(_descent.solve, problem, start, starts.temperatures[0], solver, 1)
         descended = work.do("descending", partial(starts.descend, chosen), ranked, one_step)
         stopped = work.stop.is_set()
     candidates = [*(it["best"][0] for it in screened.values()), *(it["after"] for it in descended.values())]
-    best = min(candidates, key=_rank)
+    best = min(candidates, key=_risk)
     parameters, _ = free.insert(model.parameters, Observation(), np.array(best["z"]))
     chosen = dataclasses.replace(model, parameters=parameters)
     left_out = {}
     for place, group in enumerate(groups[1:], start=1):
-        entry = min((it["best"][place] for it in screened.values()), key=_rank)
+        entry = min((it["best"][place] for it in screened.values()), key=_risk)
         wrong = _errors(problem, entry, ~group)
         left_out[clips[problem.events[int(np.flatnonzero(~group)[0])].clip].name] = wrong
     return AlarmFit(
@@ -178,17 +174,13 @@ class _Starts:
 
     def _screened(self, point: np.ndarray, tried: np.ndarray) -> dict[str, Any]:
         peaks = np.asarray(look(self.problem, point, tried))
-        choice = _choice(self.problem, peaks)
-        best = []
-        for group in self.groups:
-            chosen = choice if group.all() else _choice(self.problem, peaks, group)
-            first = int(chosen.risk.argmin())
-            best.append(_entry(self.problem, point, tried[first], peaks[first], chosen, first))
+        choices = [_choice(self.problem, peaks, group) for group in self.groups]
+        best, choice = [_best(self.problem, point, tried, peaks, it) for it in choices], choices[0]
         right = np.tile(point, (int((choice.cost == 0).sum()), 1))
         right[:, list(self.problem.searched)] = tried[choice.cost == 0]
         ends = [right.min(axis=0).tolist(), right.max(axis=0).tolist()] if len(right) else None
         counts = {"count": len(tried), "right": len(right), "ends": ends}
-        return {"best": best, "loss": best[0]["risk"], **counts}
+        return {"best": best, "loss": best[0]["loss"], **counts}
 
     def descend(self, chosen: dict[int, dict[str, Any]], number: int, stop: Stop) -> dict[str, Any]:
         """From a candidate towards larger margins; the best that the hard model was seen to do."""
@@ -201,34 +193,21 @@ class _Starts:
             near = np.clip(z[searched] + 2 * _RADIUS * (cells - 0.5), 0, 1)
             tried = np.vstack([z[searched], near[1:]])
             peaks = np.asarray(look(self.problem, z, tried))
-            choice = _choice(self.problem, peaks)
-            first = int(choice.risk.argmin())
-            here = _entry(self.problem, z, tried[first], peaks[first], choice, first)
-            best, z = min(best, here, key=_rank), np.array(here["z"])
-        return {"after": best, "loss": best["risk"]}
+            here = _best(self.problem, z, tried, peaks, _choice(self.problem, peaks))
+            best, z = min(best, here, key=_risk), np.array(here["z"])
+        return {"after": best, "loss": best["loss"]}
 
 
-def _check(model: LGMD2, clips: Sequence[Footage], counts: dict[str, int], weights: dict[str, float | int]) -> None:
+def _check(model: LGMD2, clips: Sequence[Footage], weights: dict[str, float | int]) -> None:
     if not clips:
         raise ValueError("clips is empty; give at least one")
     if not any(clip.windows for clip in clips):
         raise ValueError("no clip has a window in which an alarm is wanted; then a model that never fires would do")
-    for name, count in counts.items():
-        if not isinstance(count, int) or count < 1:
-            raise ValueError(f"{name} is {count!r}; give a whole number, 1 or more")
     for name, weight in weights.items():
         if not (np.isfinite(weight) and weight > 0):
             raise ValueError(f"{name} is {weight!r}; give a positive weight")
     if float(model.parameters.N_sp) % 1:
         raise ValueError(f"N_sp is {float(model.parameters.N_sp):g}; alarms count whole spikes: give a whole number")
-
-
-def _points(problem: AlarmProblem, start: np.ndarray, count: int, seed: tuple[int, ...]) -> np.ndarray:
-    """The start, then points that differ from it in what the pixels need."""
-    points = np.repeat(start[None], count, axis=0)
-    pixels = list(problem.pixel_indices)
-    points[1:, pixels] = sobol(len(pixels), count, seed)[: count - 1]
-    return points
 
 
 def _groups(problem: AlarmProblem, clips: int) -> list[np.ndarray]:
@@ -244,23 +223,19 @@ def _choice(problem: AlarmProblem, peaks: np.ndarray, among: np.ndarray | slice 
     return choose(peaks[:, among], problem.wanted[among], problem.weights[among], *bounds, _SLACK)
 
 
-def _entry(
-    problem: AlarmProblem, point: np.ndarray, cell: np.ndarray, peaks: np.ndarray, choice: Choice, place: int
+def _best(
+    problem: AlarmProblem, point: np.ndarray, cells: np.ndarray, peaks: np.ndarray, choice: Choice
 ) -> dict[str, Any]:
-    """A candidate as plain data."""
-    z = np.array(point)
-    z[list(problem.searched)] = cell
+    """The candidate at least risk, as plain data."""
+    place, z = int(choice.risk.argmin()), np.array(point)
+    z[list(problem.searched)] = cells[place]
     z[problem.threshold] = float(problem.free.freedoms[problem.threshold].place(choice.threshold[place]))
-    numbers = {name: float(getattr(choice, name)[place]) for name in ("risk", "cost", "margin")}
-    return {"z": z.tolist(), "peaks": peaks.tolist(), "threshold": float(choice.threshold[place]), **numbers}
+    numbers = {name: float(getattr(choice, name)[place]) for name in ("threshold", "cost", "margin")}
+    return {"z": z.tolist(), "peaks": peaks[place].tolist(), "loss": float(choice.risk[place]), **numbers}
 
 
-def _rank(entry: dict[str, Any]) -> float:
-    return entry["risk"]
-
-
-def _rank_of(screened: dict[str, Any]) -> float:
-    return _rank(screened["best"][0])
+def _risk(result: dict[str, Any]) -> float:
+    return result["loss"]
 
 
 def _errors(problem: AlarmProblem, entry: dict[str, Any], among: np.ndarray) -> int:

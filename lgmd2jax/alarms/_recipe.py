@@ -11,7 +11,7 @@ import jax
 import numpy as np
 
 from lgmd2jax._arguments import check_keys, section
-from lgmd2jax._catalogue import read_named
+from lgmd2jax._catalogue import beside, read_named
 from lgmd2jax._model import LGMD2
 from lgmd2jax._recipe import free_of, model_of
 from lgmd2jax.alarms._fit import fit
@@ -81,7 +81,7 @@ def _recipe(path: Path, table: dict[str, Any]) -> AlarmRecipe:
     for key in ("protocol", "free"):
         if key not in table:
             raise ValueError(f"{key} is missing")
-    file = load_footage(beside if (beside := path.parent / table["protocol"]).is_file() else table["protocol"])
+    file = load_footage(beside(path, table["protocol"]))
     validation = section(table, "validation", [field.name for field in dataclasses.fields(Rendered)])
     asked = Rendered(**validation) if validation else None
     if asked is not None and file.rendered is not None and asked.seed == file.rendered.seed:

@@ -1,8 +1,10 @@
 """What a fit of alarms says of itself, as text and as HTML."""
 
+import csv
 import dataclasses
 import math
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lgmd2jax._parameters import symbols
@@ -147,12 +149,13 @@ def _rate(rate: Share) -> str:
     return "-" if math.isnan(rate.value) else f"{rate.value:.2f} ({rate.low:.2f} .. {rate.high:.2f})"
 
 
-def table(verdicts: Sequence[Verdict]) -> list[list[str]]:
-    """A header and a row for each clip, for a CSV file."""
+def write_table(path: Path, verdicts: Sequence[Verdict]) -> None:
+    """A CSV file with a row for each clip."""
     rows = [["clip", "alarms", "windows", "hits", "false_alarms", "warning_ms", "margin", "right"]]
     for it in verdicts:
         numbers = ["" if math.isnan(value) else f"{value:.6g}" for value in (it.warning_ms, it.margin)]
         alarms = " ".join(f"{first}-{last}" for first, last in it.alarms)
         counts = [str(len(it.hits)), str(sum(it.hits)), str(it.false_alarms)]
         rows.append([it.clip, alarms, *counts, *numbers, str(int(it.right))])
-    return rows
+    with open(path, "w", newline="", encoding="utf-8") as file:
+        csv.writer(file).writerows(rows)

@@ -6,7 +6,6 @@ from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
-import jax
 import numpy as np
 from jaxtyping import Array
 
@@ -24,7 +23,7 @@ from lgmd2jax.fitting._outcome import outcome
 from lgmd2jax.fitting._problem import Problem, problem_of
 from lgmd2jax.fitting._result import Fit
 from lgmd2jax.fitting._robust import LOSSES, Loss
-from lgmd2jax.fitting._search import search_cell, sobol
+from lgmd2jax.fitting._search import search_cell, sobol, starting_points, words_of
 from lgmd2jax.fitting._work import Memory, Stop, Work
 from lgmd2jax.stimuli import Stimulus
 
@@ -101,8 +100,8 @@ def fit(
             "fix some, or add data"
         )
     start = free.place(model.parameters, observation)
-    seed = tuple(int(word) for word in np.ravel(jax.random.key_data(key)))
-    points = _points(problem, start, pixel_points, seed)
+    seed = words_of(key)
+    points = starting_points(problem, start, pixel_points, seed)
     solver = solver or BoundedLevenbergMarquardt(RTOL, ATOL, lower=0.0, upper=1.0)
 
     starts = _Starts(problem, points, cell_points, seed, temperatures, solver, max_steps)
@@ -182,12 +181,17 @@ def _temperatures(model: Network, temperatures) -> tuple[float, ...]:
     return temperatures
 
 
+def check_counts(counts: dict[str, int], at_least: int) -> None:
+    """Raise `ValueError` for the first that is no whole number, or too small."""
+    for name, count in counts.items():
+        if not isinstance(count, int) or count < at_least:
+            raise ValueError(f"{name} is {count!r}; give a whole number, {at_least} or more")
+
+
 def _check(pairs: list[tuple[Stimulus, list[Target]]], free: Free, loss: str, counts: dict[str, int]) -> None:
     if loss not in LOSSES:
         raise ValueError(f"loss is {loss!r}; choose {nearest(loss, LOSSES)}")
-    for name, count in counts.items():
-        if not isinstance(count, int) or count < 1:
-            raise ValueError(f"{name} is {count!r}; give a whole number, 1 or more")
+    check_counts(counts, at_least=1)
     targets = [target for _, targets in pairs for target in targets]
     unseen = [name for name in free.names if name in observation_symbols()]
     if unseen and not any(target.channel == "rate" for target in targets):
@@ -197,15 +201,6 @@ def _check(pairs: list[tuple[Stimulus, list[Target]]], free: Free, loss: str, co
         raise ValueError(
             f"{beforehand[0]} has a prior, which can only be weighed against data of known error; give targets an error"
         )
-
-
-def _points(problem: Problem, start: np.ndarray, count: int, seed: tuple[int, ...]) -> np.ndarray:
-    """The start, then points that differ from it in what the pixels need."""
-    points = np.repeat(start[None], count, axis=0)
-    pixels = list(problem.pixel_indices)
-    if pixels:
-        points[1:, pixels] = sobol(len(pixels), count, seed)[: count - 1]
-    return points
 
 
 def _apart(screened: dict[int, dict[str, Any]], count: int) -> list[int]:

@@ -14,6 +14,7 @@ from jaxtyping import Array, Float
 from scipy.stats import qmc
 
 from lgmd2jax.fitting._problem import Potentials, Problem
+from lgmd2jax.fitting._space import Space
 
 _AT_ONCE = 256  # candidates side by side: wide enough for vectors, small enough for the cache
 _RADIUS = 0.05  # of the second look around the best candidate, in the unit box
@@ -33,6 +34,22 @@ def sobol(dimensions: int, count: int, seed: tuple[int, ...]) -> Float[np.ndarra
         return np.zeros((1, 0))
     sampler = qmc.Sobol(dimensions, scramble=True, rng=np.random.default_rng(list(seed)))
     return sampler.random_base2(max(count - 1, 1).bit_length())[:count]
+
+
+def words_of(key: Array) -> tuple[int, ...]:
+    """A key as the whole numbers that seed what NumPy and SciPy draw."""
+    return tuple(int(word) for word in np.ravel(jax.random.key_data(key)))
+
+
+def starting_points(
+    space: Space, start: Float[np.ndarray, " free"], count: int, seed: tuple[int, ...]
+) -> Float[np.ndarray, "count free"]:
+    """The start, then points that differ from it in what the pixels need."""
+    points = np.repeat(start[None], count, axis=0)
+    pixels = list(space.pixel_indices)
+    if pixels:
+        points[1:, pixels] = sobol(len(pixels), count, seed)[: count - 1]
+    return points
 
 
 @eqx.filter_jit

@@ -15,6 +15,7 @@ from jaxtyping import Float, Int
 
 import lgmd2jax as lgmd
 from lgmd2jax._video import open_clip
+from lgmd2jax.alarms._decoded import decoded
 from notebooks.paper_claims._claim import Finding, listed
 from notebooks.paper_claims._shown import REST
 
@@ -52,10 +53,9 @@ class Part:
 @functools.cache
 def _response(name: str) -> tuple[np.ndarray, lgmd.Response]:
     """A clip's frames by number, and what the whole clip is answered."""
-    clip = open_clip(FOLDER / f"{name}.mp4", resize=WIDTH).without_repeats()
-    frames = [it for it in clip if not it.repeated]
-    response = lgmd.LGMD2()(np.stack([it.grey for it in frames]).astype(np.float32), clip.effective_fps)
-    return np.array([it.index for it in frames]), response
+    path = FOLDER / f"{name}.mp4"
+    seen = decoded(open_clip(path, resize=WIDTH), path, drop_duplicates=True)
+    return seen.index, lgmd.LGMD2()(seen.frames, seen.fps)
 
 
 def part(name: str, first: int, last: int) -> Part:

@@ -1,5 +1,7 @@
 """Starts on the workers of a cluster: the same results as in threads, kept in the same memory."""
 
+from typing import Any
+
 import jax
 import numpy as np
 import pytest
@@ -49,8 +51,9 @@ def test_what_a_task_raises_is_raised_here(client):
 
 @pytest.mark.usefixtures("untyped")
 def test_what_is_no_client_is_refused():
+    nobody: Any = "here"
     with pytest.raises(ValueError, match=r"client is 'here'; give a dask.distributed.Client"):
-        Work({}, False, "here")  # pyright: ignore[reportArgumentType]
+        Work({}, False, nobody)
 
 
 @pytest.mark.slow
