@@ -3,31 +3,22 @@
 Pure functions of one frame; the delay of eq. 4 is `_low_pass.low_pass`.
 """
 
-import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from lgmd2jax._border import Bordered, inside
 from lgmd2jax._parameters import Parameters
 from lgmd2jax._retina import Map
 from lgmd2jax._thresholds import Thresholds
 
 
-def _neighbourhood(x: Map, centre: float) -> Map:
-    """The 3x3 sum with weights [1 centre 1] along rows and columns. Beyond the border the edge is repeated.
-
-    Padding once, ahead of both directions, runs two to three times as fast on a CPU as repeating edges in each.
-    """
-    x = jnp.pad(x, 1, mode="edge")
-    x = x[:-2] + centre * x[1:-1] + x[2:]
-    return x[:, :-2] + centre * x[:, 1:-1] + x[:, 2:]
-
-
-def lateral(d: Map) -> Map:
+def lateral(d: Bordered) -> Map:
     """Eqs 5, 6: W * D with W = 0 at the centre, .25 for the nearest and .125 for the diagonal neighbours.
 
-    [1 2 1] x [1 2 1] / 8 is W but for 1/2 at the centre, and it separates. With repeated edges W is symmetric as a
-    matrix over pixels, so that it is its own adjoint: sum(x lateral(y)) = sum(lateral(x) y).
+    With repeated edges W is symmetric as a matrix over pixels, so that it is its own adjoint:
+    sum(x lateral(bordered(y))) = sum(lateral(bordered(x)) y).
     """
-    return _neighbourhood(d, 2.0) / 8 - d / 2
+    nearest, diagonal = _neighbours(d)
+    return nearest / 4 + diagonal / 8
 
 
 def local_sums(on: Map, off: Map, spread_on: Map, spread_off: Map, w_bias: Float[Array, ""]) -> tuple[Map, Map]:
@@ -48,6 +39,13 @@ def gate(s: Map, T_s: Float[Array, ""], thresholds: Thresholds) -> Map:
     return s * thresholds.s(s, T_s)
 
 
-def g_layer(s_gated: Map) -> Map:
+def g_layer(s_gated: Bordered) -> Map:
     """Eq. 10: the 3x3 mean of S'. With repeated edges it keeps the sum, so the potential does not need it."""
-    return _neighbourhood(s_gated, 1.0) / 9
+    nearest, diagonal = _neighbours(s_gated)
+    return (inside(s_gated) + nearest + diagonal) / 9
+
+
+def _neighbours(x: Bordered) -> tuple[Map, Map]:
+    """The sums over the four nearest and the four diagonal neighbours of each pixel."""
+    above_below, left_right = x[:-2] + x[2:], x[1:-1, :-2] + x[1:-1, 2:]
+    return above_below[:, 1:-1] + left_right, above_below[:, :-2] + above_below[:, 2:]

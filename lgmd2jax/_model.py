@@ -9,7 +9,7 @@ from lgmd2jax._lobula import CellState, cell_step
 from lgmd2jax._low_pass import LOW_PASS_FORMS, LowPass
 from lgmd2jax._network import Network
 from lgmd2jax._parameters import Parameters, nearest
-from lgmd2jax._pixels import PixelState, pixel_step
+from lgmd2jax._pixels import PixelState, Traces, pixel_step
 from lgmd2jax._sensitivity import potentials
 from lgmd2jax._thresholds import Hard, Thresholds
 
@@ -53,7 +53,7 @@ class LGMD2(Network):
             raise ValueError(f"low_pass is {self.low_pass!r}; choose {nearest(self.low_pass, LOW_PASS_FORMS)}")
 
     def _pixels_at_rest(self, frame):
-        return PixelState.rest(frame, self.n_p)
+        return PixelState(frame, Traces.rest(frame, self.n_p))
 
     def _pixel_step(self, state, frame, interval):
         return pixel_step(self, state, frame, interval)

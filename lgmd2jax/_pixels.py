@@ -13,6 +13,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from lgmd2jax import _medulla as medulla, _retina as retina
+from lgmd2jax._border import Bordered, bordered, inside
 from lgmd2jax._low_pass import coefficient, low_pass
 from lgmd2jax._pool import pool
 from lgmd2jax._retina import Map
@@ -20,21 +21,27 @@ from lgmd2jax._retina import Map
 Scalar = Float[Array, ""]
 
 
-class PixelState(eqx.Module):
-    """What the pixels keep from one frame to the next. It is pointwise in space: neighbours only feed forward."""
+class Traces(eqx.Module):
+    """What the pixels remember of changes, with the border. It is pointwise: neighbours only feed forward."""
 
-    luminance: Map
-    p: Float[Array, "n_p row col"]
-    on: Map
-    off: Map
-    d_on: Map
-    d_off: Map
+    p: Float[Array, "n_p row_and_border col_and_border"]
+    on: Bordered
+    off: Bordered
+    d_on: Bordered
+    d_off: Bordered
 
     @classmethod
-    def rest(cls, frame: Map, n_p: int) -> "PixelState":
-        """At rest, with `frame` as what was seen before."""
-        zero = jnp.zeros_like(frame)
-        return cls(frame, jnp.zeros((n_p, *frame.shape), frame.dtype), zero, zero, zero, zero)
+    def rest(cls, frame: Map, n_p: int) -> "Traces":
+        """Those of pixels that saw no change."""
+        zero = jnp.zeros((frame.shape[0] + 2, frame.shape[1] + 2), frame.dtype)
+        return cls(jnp.zeros((n_p, *zero.shape), zero.dtype), zero, zero, zero, zero)
+
+
+class PixelState(eqx.Module):
+    """What the pixels keep from one frame to the next."""
+
+    luminance: Map
+    traces: Traces
 
 
 class Layers(eqx.Module):
@@ -65,31 +72,64 @@ def scan_pixels(model, frames, interval, record: Record | None) -> tuple[Array, 
     return jax.lax.scan(step, model._pixels_at_rest(frames[0]), frames)[1]
 
 
+def scan_sums(model, frames, interval) -> tuple[Array, Array]:
+    """MP(t) and F(t) of an `LGMD2` over a clip, as `scan_pixels`, in about half the time on a CPU.
+
+    Frames are read where they lie rather than carried, and the border is laid in place.
+    """
+
+    def step(carry, t):
+        traces, border = carry
+        border = bordered(change(frames, t), onto=border)
+        traces, p = remember(model, traces, border, interval)
+        mp, f, _ = sums(model, traces, p)
+        return (traces, border), (mp, f)
+
+    traces = Traces.rest(frames[0], model.n_p)
+    return jax.lax.scan(step, (traces, traces.on), jnp.arange(len(frames)))[1]
+
+
+def change(frames, t) -> Map:
+    """L(t) - L(t-1), with the first frame as what was seen before."""
+    return frames[t] - frames[jnp.maximum(t - 1, 0)]
+
+
 def pixel_step(model, state: PixelState, frame: Map, interval) -> tuple[PixelState, tuple[Scalar, Scalar, Layers]]:
     """Eqs 1-11 and 13: the next state of the pixels; MP, F and the layers of this frame."""
-    state, p, f = remember(model, state, frame, interval)
-    spread_on, spread_off = medulla.lateral(state.d_on), medulla.lateral(state.d_off)
-    s, s_on, s_off = sum_flows(model, state.on, state.off, spread_on, spread_off)
-    mp, s_gated = gate_and_pool(model, s)
-    g = medulla.g_layer(s_gated)
-    layers = Layers(p, state.on, state.off, state.d_on, state.d_off, s_on, s_off, s, s_gated, g)
-    return state, (mp, f, layers)
+    traces, p = remember(model, state.traces, bordered(frame - state.luminance), interval)
+    return PixelState(frame, traces), sums(model, traces, p)
 
 
-def remember(model, state: PixelState, frame: Map, interval) -> tuple[PixelState, Map, Scalar]:
-    """Eqs 1-4 and 13, all that has a memory, each pixel by itself: the next state, P and F."""
-    parameters, interval = cast((model.parameters, interval), frame.dtype)
+def remember(model, traces: Traces, change: Bordered, interval) -> tuple[Traces, Bordered]:
+    """Eqs 1-4, all that has a memory, each pixel by itself: the next traces, and P."""
+    parameters, interval = cast((model.parameters, interval), change.dtype)
     a = coefficient(parameters.tau1, interval, model.low_pass)
 
-    p = retina.photoreceptors(frame, state.luminance, state.p, parameters.u)
+    p = retina.photoreceptors(change, traces.p, parameters.u)
     on, off = retina.half_wave(p)
-    on = retina.residual(on, state.on, parameters.sigma1)
-    off = retina.residual(off, state.off, parameters.sigma1)
-    d_on = low_pass(state.d_on, on, a)
-    d_off = low_pass(state.d_off, off, a)
+    on = retina.residual(on, traces.on, parameters.sigma1)
+    off = retina.residual(off, traces.off, parameters.sigma1)
+    d_on = low_pass(traces.d_on, on, a)
+    d_off = low_pass(traces.d_off, off, a)
 
-    history = jnp.concatenate([p[None], state.p])[: model.n_p]
-    return PixelState(frame, history, on, off, d_on, d_off), p, pool(retina.magnitude(p), 1 / p.size)
+    history = jnp.concatenate([p[None], traces.p])[: model.n_p]
+    return Traces(history, on, off, d_on, d_off), p
+
+
+def sums(model, traces: Traces, p: Bordered) -> tuple[Scalar, Scalar, Layers]:
+    """Eqs 5-11 and 13: MP and F of a frame, and the layers on the way to them."""
+    on, off, p = inside(traces.on), inside(traces.off), inside(p)
+    spread_on, spread_off = medulla.lateral(traces.d_on), medulla.lateral(traces.d_off)
+    s, s_on, s_off = sum_flows(model, on, off, spread_on, spread_off)
+    mp, s_gated = gate_and_pool(model, s)
+    g = medulla.g_layer(bordered(s_gated))
+    layers = Layers(p, on, off, inside(traces.d_on), inside(traces.d_off), s_on, s_off, s, s_gated, g)
+    return mp, mean_change(p), layers
+
+
+def mean_change(p: Map) -> Scalar:
+    """Eq. 13: F, the mean of abs(P)."""
+    return pool(retina.magnitude(p), 1 / p.size)
 
 
 def sum_flows(model, on: Map, off: Map, spread_on: Map, spread_off: Map) -> tuple[Map, Map, Map]:

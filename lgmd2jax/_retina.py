@@ -12,12 +12,12 @@ def persistence(u: Float[Array, ""], n_p: int) -> Float[Array, " n_p"]:
     return 1 / (1 + jnp.exp(u * i))
 
 
-def photoreceptors(luminance: Map, previous: Map, history: Float[Array, "n_p row col"], u: Float[Array, ""]) -> Map:
+def photoreceptors(change: Map, history: Float[Array, "n_p row col"], u: Float[Array, ""]) -> Map:
     """Eq. 1: P(t) = L(t) - L(t-1) + sum_i a_i P(t-i), in grey levels.
 
-    **Arguments:** `history` holds P(t-1) .. P(t-n_p).
+    **Arguments:** `change` is L(t) - L(t-1); `history` holds P(t-1) .. P(t-n_p).
     """
-    p = luminance - previous
+    p = change
     a = persistence(u, len(history))
     for i in range(len(history)):
         p = p + a[i] * history[i]

@@ -20,9 +20,21 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array
 
+from lgmd2jax._border import bordered, inside
 from lgmd2jax._medulla import lateral
 from lgmd2jax._parameters import symbols
-from lgmd2jax._pixels import PixelState, Record, cast, gate_and_pool, remember, scan_pixels, sum_flows
+from lgmd2jax._pixels import (
+    Record,
+    Traces,
+    cast,
+    change,
+    gate_and_pool,
+    mean_change,
+    remember,
+    scan_pixels,
+    scan_sums,
+    sum_flows,
+)
 from lgmd2jax._pool import pool
 
 
@@ -39,11 +51,7 @@ def potentials(model, frames, interval, record: Record | None = None) -> tuple[A
     return scan_pixels(model, frames, interval, record)
 
 
-def _scan(model, frames, interval):
-    return scan_pixels(model, frames, interval, None)[:2]
-
-
-_potentials = eqx.filter_custom_jvp(_scan)
+_potentials = eqx.filter_custom_jvp(scan_sums)
 
 
 @_potentials.def_jvp
@@ -52,54 +60,57 @@ def _potentials_jvp(primals, tangents):
     model_tangent, *input_tangents = tangents
     other_tangents = eqx.tree_at(lambda model: model.parameters, model_tangent, None), input_tangents
     if jax.tree.leaves(other_tangents):
-        return eqx.filter_jvp(_scan, primals, tangents)
+        return eqx.filter_jvp(lambda *inputs: scan_pixels(*inputs, record=None)[:2], primals, tangents)
     all_tangents = {name: getattr(model_tangent.parameters, name) for name in symbols()}
     perturbed = {name: tangent for name, tangent in all_tangents.items() if tangent is not None}
     outputs, jacobian = _sensitivities(model, frames, interval, tuple(perturbed))
 
-    def change(output, rows):
+    def moved(output, rows):
         return _total(row * perturbed[name].astype(output.dtype) for name, row in rows.items() if row is not None)
 
-    return outputs, tuple(map(change, outputs, jacobian))
+    return outputs, tuple(map(moved, outputs, jacobian))
 
 
 def _sensitivities(model, frames, interval, names: tuple[str, ...]):
     """MP(t) and F(t), and for each a dictionary of its derivatives by the named parameters, None for no influence."""
     model = eqx.tree_at(lambda model: model.parameters, model, cast(model.parameters, frames.dtype))
-    start = PixelState.rest(frames[0], model.n_p)
+    start = Traces.rest(frames[0], model.n_p)
 
-    def step(carry, frame):
-        state, maps = carry
+    def step(carry, t):
+        traces, maps, borders = carry
+        border = bordered(change(frames, t), onto=borders[0])
 
-        def advance(model, state):
-            state, _, f = remember(model, state, frame, interval)
-            return state, f
+        def advance(model, traces):
+            traces, p = remember(model, traces, border, interval)
+            return traces, mean_change(inside(p))
 
-        new, f = advance(model, state)
-        signals = new.on, new.off, lateral(new.d_on), lateral(new.d_off)
+        new, f = advance(model, traces)
+        signals = inside(new.on), inside(new.off), lateral(new.d_on), lateral(new.d_off)
         s, to_signals = jax.vjp(lambda signals: sum_flows(model, *signals)[0], signals)
         # Linearised once for all parameters: XLA would compute the slope of the gate anew for each.
         mp, of_s = jax.linearize(lambda s: gate_and_pool(model, s)[0], s)
-        ((on, off, spread_on, spread_off),) = to_signals(*jax.linear_transpose(of_s, s)(jnp.ones_like(mp)))
+        ((on, off, *spreads),) = to_signals(*jax.linear_transpose(of_s, s)(jnp.ones_like(mp)))
         # The lateral spread is its own adjoint, so two spreads a frame serve the maps of all parameters.
-        slopes = {"on": on, "off": off, "d_on": lateral(spread_on), "d_off": lateral(spread_off)}
+        spreads = [bordered(spread, onto) for spread, onto in zip(spreads, borders[1:], strict=True)]
+        d_on, d_off = map(lateral, spreads)
+        slopes = {"on": on, "off": off, "d_on": d_on, "d_off": d_off}
 
-        def change(name):
+        def rows_of(name):
             unit = _unit(model, name)
-            _, (new_maps, df) = eqx.filter_jvp(advance, (model, state), (unit, maps[name]))
+            _, (new_maps, df) = eqx.filter_jvp(advance, (model, traces), (unit, maps[name]))
             _, ds = eqx.filter_jvp(lambda model: sum_flows(model, *signals)[0], (model,), (unit,))
             _, dmp = eqx.filter_jvp(lambda model: gate_and_pool(model, s)[0], (model,), (unit,))
             moved = {field: getattr(new_maps, field) for field in slopes}
-            carried = _total(slopes[field] * tangent for field, tangent in moved.items() if tangent is not None)
+            carried = _total(slopes[field] * inside(it) for field, it in moved.items() if it is not None)
             parts = dmp, None if ds is None else of_s(ds), None if carried is None else pool(carried)
             return new_maps, _total(parts), df
 
-        changes = {name: change(name) for name in names}
-        new_maps, mp_row, f_row = ({name: change[i] for name, change in changes.items()} for i in range(3))
-        return (new, new_maps), ((mp, f), (mp_row, f_row))
+        found = {name: rows_of(name) for name in names}
+        new_maps, mp_row, f_row = ({name: it[i] for name, it in found.items()} for i in range(3))
+        return (new, new_maps, (border, *spreads)), ((mp, f), (mp_row, f_row))
 
-    maps = {name: _maps_at_rest(model, name, start, frames[0], interval) for name in names}
-    return jax.lax.scan(step, (start, maps), frames)[1]
+    maps = {name: _maps_at_rest(model, name, start, interval) for name in names}
+    return jax.lax.scan(step, (start, maps, 3 * (start.on,)), jnp.arange(len(frames)))[1]
 
 
 def _unit(model, name: str):
@@ -109,16 +120,17 @@ def _unit(model, name: str):
     return eqx.tree_at(lambda it: getattr(it.parameters, name), nothing, one, is_leaf=lambda leaf: leaf is None)
 
 
-def _maps_at_rest(model, name: str, state, frame, interval):
+def _maps_at_rest(model, name: str, traces: Traces, interval):
     """Sensitivities of a state at rest: 0 for the arrays that this parameter will reach, None for the others."""
+    unchanged = traces.on
 
     def reach(maps):
-        def advance(model, state):
-            return remember(model, state, frame, interval)[0]
+        def advance(model, traces):
+            return remember(model, traces, unchanged, interval)[0]
 
-        return eqx.filter_jvp(advance, (model, state), (_unit(model, name), maps))[1]
+        return eqx.filter_jvp(advance, (model, traces), (_unit(model, name), maps))[1]
 
-    maps, reached = None, jax.tree.map(lambda _: None, state)
+    maps, reached = None, jax.tree.map(lambda _: None, traces)
     while jax.tree.structure(maps) != jax.tree.structure(reached):
         maps = jax.tree.map(lambda leaf: jnp.zeros(leaf.shape, leaf.dtype), reached)
         reached = eqx.filter_eval_shape(reach, maps)

@@ -10,6 +10,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from lgmd2jax import _medulla as medulla, _retina as retina
+from lgmd2jax._border import bordered
 from lgmd2jax._eye import Eye
 from lgmd2jax._lobula import membrane_potential
 from lgmd2jax._network import Network
@@ -185,10 +186,10 @@ class YueRindLGMD1(Network):
 
     def _pixel_step(self, state, frame, interval):
         v = cast(self.parameters, frame.dtype)
-        p = retina.photoreceptors(frame, state.luminance, state.p[None], v.u)
-        inhibition = medulla.lateral(state.p)
+        p = retina.photoreceptors(frame - state.luminance, state.p[None], v.u)
+        inhibition = medulla.lateral(bordered(state.p))
         s = p - v.W_I * inhibition
-        c_e = medulla.g_layer(s)
+        c_e = medulla.g_layer(bordered(s))
         omega = v.Delta_C + jnp.max(retina.magnitude(c_e)) / v.C_omega
         g = s * c_e / omega
         g_kept = g * self.thresholds.s(v.C_de * g, v.T_de)

@@ -11,6 +11,7 @@ import pytest
 
 import lgmd2jax as lgmd
 from lgmd2jax import _medulla, _pixels, _sensitivity
+from lgmd2jax._border import bordered
 from tests import clips
 
 PARAMETERS = lgmd.Parameters(theta1=0.4, theta2=1.3, theta3=0.02, T_s=15.0, T_ffi=46.0, k=60.0, u=0.7, sigma1=0.2)
@@ -184,14 +185,15 @@ def test_a_solver_finds_the_parameters():
 
 
 def maps_carried(function, *arguments):
-    """How many arrays of a frame's size the longest-memoried scan in a function carries along."""
+    """How many arrays of a frame's size, border included, the longest-memoried scan in a function carries along."""
+    with_border = np.prod(np.add(FRAMES[0].shape, 2))
 
     def scans(jaxpr):
         for equation in jaxpr.eqns:
             if equation.primitive.name == "scan":
                 first = equation.params["num_consts"]
                 carried = equation.invars[first : first + equation.params["num_carry"]]
-                yield sum(np.size(np.zeros(variable.aval.shape)) // FRAMES[0].size for variable in carried)
+                yield sum(np.size(np.zeros(variable.aval.shape)) // with_border for variable in carried)
             for inner in jax.tree.leaves(list(equation.params.values()), is_leaf=lambda it: hasattr(it, "eqns")):
                 inner = getattr(inner, "jaxpr", inner)
                 if hasattr(inner, "eqns"):
@@ -200,8 +202,8 @@ def maps_carried(function, *arguments):
     return max(scans(jax.make_jaxpr(function)(*arguments).jaxpr))
 
 
-# L, ON, OFF, D_on and D_off, and the persistence.
-@pytest.mark.parametrize(("n_p", "own"), [(0, 5), (2, 7)])
+# ON, OFF, D_on and D_off, the persistence, and three to lay borders onto.
+@pytest.mark.parametrize(("n_p", "own"), [(0, 7), (2, 9)])
 def test_only_what_is_perturbed_and_remembers_carries_maps(n_p, own):
     more = {"tau1": 2, "sigma1": 4, "u": 4 + n_p if n_p else 0}
     for name in lgmd.symbols():
@@ -241,8 +243,25 @@ def test_memory_does_not_grow_with_the_frames():
     assert growth(exact) < 0.05
 
 
+def spread(x):
+    return _medulla.lateral(bordered(x))
+
+
 def test_the_lateral_spread_is_its_own_adjoint():
     x, y = jnp.asarray(clips.noise(1, (2, 7, 8)))
-    np.testing.assert_allclose(jnp.vdot(x, _medulla.lateral(y)), jnp.vdot(_medulla.lateral(x), y), rtol=1e-13)
-    _, transposed = jax.vjp(_medulla.lateral, y)
-    np.testing.assert_allclose(transposed(x)[0], _medulla.lateral(x), rtol=1e-13)
+    np.testing.assert_allclose(jnp.vdot(x, spread(y)), jnp.vdot(spread(x), y), rtol=1e-13)
+    _, transposed = jax.vjp(spread, y)
+    np.testing.assert_allclose(transposed(x)[0], spread(x), rtol=1e-13)
+
+
+def test_a_border_laid_in_place_is_the_edge_repeated():
+    (x,), (onto,) = jnp.asarray(clips.noise(1, (1, 7, 8))), jnp.asarray(clips.noise(2, (1, 9, 10)))
+    np.testing.assert_array_equal(bordered(x, onto), np.pad(x, 1, mode="edge"))
+    np.testing.assert_array_equal(bordered(x), np.pad(x, 1, mode="edge"))
+
+
+@pytest.mark.parametrize("structure", STRUCTURES, ids=str)
+def test_the_fast_scan_is_the_plain_one(structure):
+    for thresholds in (lgmd.Hard(), *THRESHOLDS):
+        model = lgmd.LGMD2(PARAMETERS, thresholds, **structure)
+        assert_close(exact(model), plain(model), 1e-12)
