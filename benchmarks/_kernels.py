@@ -30,8 +30,8 @@ def count_instructions(computation: str) -> dict[str, int]:
 
 
 def _pixel_loop(text: str, size: Size) -> str:
-    """The body of the loop that carries maps, not of the one over the cell."""
-    shape = f"f32[{size.rows},{size.cols}]"
+    """The body of the loop that carries maps, with their border, not of the one over the cell."""
+    shape = f"f32[{size.rows + 2},{size.cols + 2}]"
     names = [re.search(r"body=(%[\w.-]+)", line) for line in text.splitlines() if " while(" in line and shape in line]
     (name,) = {found[1] for found in names if found}
     return text[re.search(rf"^{re.escape(name)} \(", text, re.MULTILINE).start() :].split("\n}")[0]

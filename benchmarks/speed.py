@@ -9,6 +9,7 @@ import argparse
 import dataclasses
 import functools
 import json
+import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
@@ -213,7 +214,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="3 rounds instead of 11, a smaller sweep, less memory")
     parser.add_argument("--json", metavar="FILE", type=Path, help="write the figures here too")
+    parser.add_argument("--one-core", action="store_true", help="hold everything to one core, XLA's threads too")
     options = parser.parse_args()
+    if options.one_core:
+        os.sched_setaffinity(0, [min(os.sched_getaffinity(0))])
     jax.config.update("jax_num_cpu_devices", 2)
     for module, package in _peers.PACKAGES.items():
         peer = _peers.find(module)

@@ -80,6 +80,13 @@ def fill(store: str, side: str) -> int:
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
 
+def arithmetic() -> float:
+    """Seconds that some plain arithmetic takes here: it shares nothing, so that two at once show two cores."""
+    began = time.perf_counter()
+    sum(i * i for i in range(2_000_000))
+    return time.perf_counter() - began
+
+
 def workers() -> str:
     """The same sweep on a Dask cluster of one worker process and on one of two, in turns."""
     from distributed import Client, LocalCluster
@@ -105,12 +112,15 @@ def workers() -> str:
         for client in (one, two):
             seconds(client, 0.05)  # every worker compiles
         rounds = [(seconds(one, i / 1000), seconds(two, i / 1000)) for i in range(9)]
+        plain = [[max(client.run(arithmetic).values()) for client in (one, two)] for _ in range(9)]
         used = [statistics.median(processor(client, i / 1000) for i in range(10, 15)) for client in (one, two)]
     ratio = statistics.median(first / second for first, second in rounds)
+    machine = statistics.median(2 * first / second for first, second in plain)
     least = [min(times) for times in zip(*rounds, strict=True)]
     return (
         f"{SIDE} x {SIDE} at 48x64 on two workers: {ratio:.2f} times as fast as on one (median of rounds); "
         f"at best {least[0]:.2f} s on one, {least[1]:.2f} s on two: {least[0] / least[1]:.2f} times\n"
+        f"plain arithmetic by both workers at once: {machine:.2f} times as fast as by one, so much do two cores give\n"
         f"processor time {used[0]:.2f} s and {used[1]:.2f} s: on idle cores {2 * used[0] / used[1]:.2f} times"
     )
 
