@@ -49,4 +49,6 @@ def _course(axes: Axes, card: Card) -> None:
     axes.plot(card.time, card.course, color=BLUE, drawstyle="steps-post")
     axes.plot(card.time[card.shown], card.course[card.shown], "o", color=VERMILION, markersize=3.5, clip_on=False)
     axes.set(xlim=(card.time[0], card.time[-1]), ylabel=card.label)
+    if len(levels := np.unique(card.course[np.isfinite(card.course)])) <= 2:
+        axes.set_yticks(levels)
     axes.annotate("ms", (1, 0), (5, 0), xycoords="axes fraction", textcoords="offset points", va="center", fontsize=8)

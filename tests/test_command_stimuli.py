@@ -5,8 +5,9 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from lgmd2jax import _figures_stimuli, load_protocol
+from lgmd2jax import Eye, _figures_stimuli, load_protocol
 from lgmd2jax._contact_sheet import Card
+from lgmd2jax.alarms import Rendered, rendered
 from lgmd2jax.cli import main
 from lgmd2jax.stimuli import Stimulus
 
@@ -66,6 +67,26 @@ def test_the_same_protocol_gives_the_same_file(protocol):
         assert main(["stimuli", str(protocol)]) == 0
         sheets.append(protocol.with_suffix(".png").read_bytes())
     assert sheets[0] == sheets[1]
+
+
+def test_labelled_clips_are_drawn_over_their_labels(protocol, monkeypatch):
+    seen = []
+    monkeypatch.setattr(_figures_stimuli, "contact_sheet", lambda path, cards, title: seen.append((title, cards)))
+    eye = PROTOCOL.split("[[condition]]")[0]
+    protocol.write_text(f"{eye}[rendered]\ncount = 400\nseed = 1\n")
+    monkeypatch.setattr("lgmd2jax._command_stimuli._RENDERED", 3)
+    assert main(["stimuli", str(protocol), "--clips", "npz"]) == 0
+    ((title, cards),) = seen
+    assert title == "trial: 3 labelled clips"
+    clips = rendered(Eye(13, 17, 5.0, 40.0), Rendered(3, seed=1))
+    assert {it.name for it in cards} == {it.name for it in clips}
+    assert [it.name[4:] for it in cards] == sorted(it.name[4:] for it in cards)
+    for card in cards:
+        assert card.label == "alarm\n(wanted)"
+        known = card.course[np.isfinite(card.course)]
+        assert set(known) == ({0, 1} if "collision" in card.name else {0})
+        assert np.isnan(card.course[:10]).all()  # what is not judged
+    assert len(names(protocol.parent / "trial-clips")) == 3
 
 
 @pytest.mark.parametrize("form", ["npz", "png", "mp4"])
