@@ -16,7 +16,7 @@ import lgmd2jax as lgmd
 from lgmd2jax.alarms import footage, load_recipe
 from lgmd2jax.alarms._choice import choose
 from lgmd2jax.alarms._problem import problem_of
-from lgmd2jax.alarms._search import look
+from lgmd2jax.alarms._search import look, seen
 from lgmd2jax.fitting._search import sobol
 from lgmd2jax.fitting._work import Stop, Work
 
@@ -42,7 +42,7 @@ def main() -> None:
     def screen(number: int, stop: Stop) -> dict:
         z = np.array(start)
         z[pixels] = points[number][pixels]
-        peaks = np.asarray(look(problem, z, sobol(len(problem.searched), CELLS, (0, number))))
+        peaks = np.asarray(look(problem, z, seen(problem, z), sobol(len(problem.searched), CELLS, (0, number))))
         return {"loss": float(choose(peaks, problem.wanted, problem.weights, 0.55, 0.95, 0.01).risk.min())}
 
     began = time.perf_counter()

@@ -15,7 +15,7 @@ from lgmd2jax.alarms._choice import Choice, choose
 from lgmd2jax.alarms._footage import Footage
 from lgmd2jax.alarms._problem import AlarmProblem, problem_of
 from lgmd2jax.alarms._result import AlarmFit, Descended
-from lgmd2jax.alarms._search import look
+from lgmd2jax.alarms._search import look, seen
 from lgmd2jax.alarms._watch import watch
 from lgmd2jax.fitting import _descent
 from lgmd2jax.fitting._bounded import BoundedLevenbergMarquardt
@@ -27,10 +27,12 @@ from lgmd2jax.fitting._work import Memory, Stop, Work
 if TYPE_CHECKING:
     from distributed import Client
 
-_SLACK = 0.01  # of U': an event so near to T_sp is at risk
-_RADIUS = 0.05  # of the search around what a descent reached, in the unit box
+_SLACK = 0.02  # of U': an event so near to T_sp is at risk
+_CLOSER = 3  # looks at cells around the best so far, each half as far as the one before
+_ANYWHERE = 0.2  # how far the first of them goes after a look anywhere, in the unit box
+_DESCENDED = 0.05  # and after a descent
 _PARENTS = 8  # of a generation
-_REACH = 0.1  # of the first generation, in the unit box; each of the next goes half as far
+_REACH = 0.1  # of the first generation; each of the next goes half as far
 _MOVED = 0.6  # of the pixels' parameters, by chance
 _LEFT_OUT = 32  # clips at most, for each of which the choice is made anew without it
 
@@ -44,7 +46,7 @@ def fit(
     miss: float | int = 1.0,
     false_alarm: float | int = 1.0,
     pixel_points: int = 128,
-    cell_points: int = 1024,
+    cell_points: int = 256,
     generations: int = 4,
     descend: int = 4,
     temperatures: Sequence[float | int] = TEMPERATURES,
@@ -55,11 +57,12 @@ def fit(
 ) -> AlarmFit:
     """Fit a model's free parameters to labelled clips: alarms in every window, none in a silence.
 
-    For each of the `pixel_points` all clips are seen once; `cell_points` cells are tried on what the pixels summed, and
-    of each the best T_sp is known exactly. Then the neighbourhood of the best is searched, ever closer, generation by
-    generation. The best are descended on soft thresholds, towards larger margins, with searches of the cell between;
-    every candidate is judged by the hard model. What is at least risk is handed over: of what is right on all clips
-    that with the widest margin, by which T_sp may move, in units of U', before a verdict changes.
+    For each of the `pixel_points` all clips are seen once; `cell_points` cells are tried on what the pixels summed,
+    then as many around the best, ever closer; of each the best T_sp is known exactly. The neighbourhood of the best
+    points is searched in the same way, generation by generation. The best are descended on soft thresholds, towards
+    larger margins, with searches of the cell between; every candidate is judged by the hard model. What is at least
+    risk is handed over: of what is right on all clips that with the widest margin, by which T_sp may move, in units of
+    U', before a verdict changes.
 
     **Arguments:**
 
@@ -91,8 +94,7 @@ def fit(
     groups = _groups(problem, len(clips))
     starts = _Starts(problem, points, groups, cell_points, seed, tuple(map(float, temperatures)), solver, max_steps)
     with Work({} if memory is None else memory, progress, client) as work:
-        first = partial(look, problem, points[0], starts.cells(0))
-        screened = work.do("screening", starts.screen, range(len(points)), first)
+        screened = work.do("screening", starts.screen, range(len(points)), partial(starts.screen, 0, None))
         if not screened:
             raise KeyboardInterrupt
         anywhere = tuple(screened.values())  # what is near the best says nothing of how large the region is
@@ -157,45 +159,56 @@ class _Starts:
 
     def screen(self, number: int, stop: Stop) -> dict[str, Any]:
         """A point of the pixels' parameters, anywhere."""
-        return self._screened(self.points[number], self.cells(number))
+        return self._closing_in(self.points[number], self.cells(number), _ANYWHERE, number)
 
     def near(self, parents: list[list[float]], reach: float, number: int, stop: Stop) -> dict[str, Any]:
-        """One near a parent, with cells near the parent's and, every eighth, anywhere."""
+        """One near a parent, with cells near the parent's."""
         chance, parent = np.random.default_rng([*self.seed, number]), np.array(parents[number % len(parents)])
-        pixels, searched = list(self.problem.pixel_indices), list(self.problem.searched)
+        pixels = list(self.problem.pixel_indices)
         moved = reach * chance.standard_normal(len(pixels)) * (chance.random(len(pixels)) < _MOVED)
         point = parent.copy()
         point[pixels] = np.clip(parent[pixels] + moved, 0, 1)
-        cells = self.cells(number)
-        radius = reach * chance.choice([0.25, 1.0, 4.0], (len(cells), 1))
-        near = np.clip(parent[searched] + radius * (2 * cells - 1), 0, 1)
-        near[0] = parent[searched]
-        return self._screened(point, np.where((np.arange(len(cells)) % 8 == 7)[:, None], cells, near))
-
-    def _screened(self, point: np.ndarray, tried: np.ndarray) -> dict[str, Any]:
-        peaks = np.asarray(look(self.problem, point, tried))
-        choices = [_choice(self.problem, peaks, group) for group in self.groups]
-        best, choice = [_best(self.problem, point, tried, peaks, it) for it in choices], choices[0]
-        right = np.tile(point, (int((choice.cost == 0).sum()), 1))
-        right[:, list(self.problem.searched)] = tried[choice.cost == 0]
-        ends = [right.min(axis=0).tolist(), right.max(axis=0).tolist()] if len(right) else None
-        counts = {"count": len(tried), "right": len(right), "ends": ends}
-        return {"best": best, "loss": best[0]["loss"], **counts}
+        return self._closing_in(point, self._around(parent, 2 * reach, self.cells(number)), reach, number)
 
     def descend(self, chosen: dict[int, dict[str, Any]], number: int, stop: Stop) -> dict[str, Any]:
         """From a candidate towards larger margins; the best that the hard model was seen to do."""
         best, z = chosen[number], np.array(chosen[number]["z"])
-        searched, cells = list(self.problem.searched), self.cells(number)
         for temperature in self.temperatures:
             if stop is not None and stop.is_set():
                 break
             z, _, _ = _descent.solve(self.problem, z, temperature, self.solver, self.max_steps, stop)
-            near = np.clip(z[searched] + 2 * _RADIUS * (cells - 0.5), 0, 1)
-            tried = np.vstack([z[searched], near[1:]])
-            peaks = np.asarray(look(self.problem, z, tried))
-            here = _best(self.problem, z, tried, peaks, _choice(self.problem, peaks))
+            cells = self._around(z, 2 * _DESCENDED, self.cells(number))
+            here = self._closing_in(z, cells, _DESCENDED, number)["best"][0]
             best, z = min(best, here, key=_risk), np.array(here["z"])
         return {"after": best, "loss": best["loss"]}
+
+    def _closing_in(self, point: np.ndarray, cells: np.ndarray, radius: float, number: int) -> dict[str, Any]:
+        """Cells on what the pixels of a point sum up to, then others around the best of them, ever closer.
+
+        The first ones alone tell how many are right: those near the best say nothing of how large the region is.
+        """
+        sums, best, region = seen(self.problem, point), [], {}
+        for closer in range(1 + _CLOSER):
+            peaks = np.asarray(look(self.problem, point, sums, cells))
+            choices = [_choice(self.problem, peaks, group) for group in self.groups]
+            found = [_best(self.problem, point, cells, peaks, it) for it in choices]
+            best = [min(pair, key=_risk) for pair in zip(best, found, strict=True)] if closer else found
+            region = region or self._region(point, cells[choices[0].cost == 0], len(cells))
+            drawn = sobol(len(self.problem.searched), len(cells), (*self.seed, number, closer))
+            cells = self._around(np.array(best[0]["z"]), radius / 2**closer, drawn)
+        return {"best": best, "loss": best[0]["loss"], **region}
+
+    def _around(self, centre: np.ndarray, radius: float, drawn: np.ndarray) -> np.ndarray:
+        """Cells within a radius of that of a point, and that one."""
+        own = centre[list(self.problem.searched)]
+        return np.vstack([own, np.clip(own + radius * (2 * drawn[1:] - 1), 0, 1)])
+
+    def _region(self, point: np.ndarray, cells: np.ndarray, count: int) -> dict[str, Any]:
+        """Of how many cells how many are right, and between which values they lie."""
+        right = np.tile(point, (len(cells), 1))
+        right[:, list(self.problem.searched)] = cells
+        ends = [right.min(axis=0).tolist(), right.max(axis=0).tolist()] if len(right) else None
+        return {"count": count, "right": len(right), "ends": ends}
 
 
 def _check(model: LGMD2, clips: Sequence[Footage], weights: dict[str, float | int]) -> None:

@@ -7,19 +7,30 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from lgmd2jax.alarms._problem import AlarmProblem
+from lgmd2jax.alarms._reel import Sums
 
 _LANES = 512  # cells and clips side by side: wide enough for vectors, small enough for the cache
 
 
 @eqx.filter_jit
+def seen(problem: AlarmProblem, z: Float[Array | np.ndarray, " free"]) -> tuple[Sums, ...]:
+    """MP and F of every clip with the pixels of `z`: all that its cells see."""
+    return problem.sums(problem.at(jnp.asarray(z))[0])
+
+
+@eqx.filter_jit
 def look(
-    problem: AlarmProblem, z: Float[Array | np.ndarray, " free"], cells: Float[Array | np.ndarray, "cell searched"]
+    problem: AlarmProblem,
+    z: Float[Array | np.ndarray, " free"],
+    sums: tuple[Sums, ...],
+    cells: Float[Array | np.ndarray, "cell searched"],
 ) -> Float[Array, "cell event"]:
-    """The largest evidence in each event, for the pixels of `z` with each of the cells, in the unit box."""
+    """The largest evidence in each event, on what is `seen` with the pixels of `z`, for each of the cells.
+
+    **Arguments:** `z`, `cells`: in the unit box.
+    """
     z = jnp.asarray(z)
     place = jnp.asarray(problem.searched, dtype=int)
-    model, _ = problem.at(z)
-    sums = problem.sums(model)
     clips = sum(len(reel.frames) for reel in problem.reels)
 
     def one(cell):

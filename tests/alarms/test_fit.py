@@ -10,7 +10,7 @@ import pytest
 import lgmd2jax as lgmd
 from lgmd2jax.alarms import Rendered, fit, footage, rendered, watch
 from lgmd2jax.alarms._problem import problem_of
-from lgmd2jax.alarms._search import look
+from lgmd2jax.alarms._search import look, seen
 
 EYE = lgmd.Eye.from_field_of_view(18, 24, 70.0, 30.0, "pinhole")
 TRUTH = lgmd.LGMD2(lgmd.preset("lgmd2", T_s=6.0, T_ffi=20.0, k=0.6, tau3=300.0, T_sp=0.66, N_sp=4.0), eye=EYE)
@@ -70,11 +70,24 @@ def with_T_sp(model, T_sp):
     return dataclasses.replace(model, parameters=dataclasses.replace(model.parameters, T_sp=T_sp))
 
 
-def test_a_descent_widens_the_margin_and_a_generation_never_narrows_it(clips, fitted):
+def test_descents_and_generations_never_narrow_the_margin_and_widen_that_of_a_poor_search(clips, fitted):
     (descended,) = fitted.descended
-    assert fitted.margin == descended.after > descended.before
+    assert fitted.margin == descended.after >= descended.before
     (alone,) = fit(START, clips, FREE, **{**SETTINGS, "generations": 0}).descended
     assert descended.before >= alone.before
+    (poor,) = fit(START, clips, FREE, **{**SETTINGS, "generations": 0, "cell_points": 4}).descended
+    assert poor.after > poor.before
+
+
+def test_looks_ever_closer_find_more_than_as_many_anywhere(clips, fitted):
+    """Both try 512 cells at each of the same four points."""
+    alone = {**SETTINGS, "generations": 0, "descend": 0}
+    closer = fit(START, clips, FREE, **alone)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("lgmd2jax.alarms._fit._CLOSER", 0)
+        anywhere = fit(START, clips, FREE, **{**alone, "cell_points": 512})
+    assert anywhere.screened == 4 * closer.screened
+    assert closer.margin > anywhere.margin
 
 
 def test_what_is_left_out_is_judged_by_the_best_of_the_others(clips, fitted):
@@ -101,7 +114,7 @@ def test_the_same_key_gives_the_same_fit_and_memory_goes_on(clips, fitted):
 def test_the_search_sees_what_the_network_does(clips):
     problem = problem_of(TRUTH, FREE, clips, 1.0, 1.0)
     z = FREE.place(TRUTH.parameters, lgmd.Observation())
-    (peaks,) = np.asarray(look(problem, z, z[None, list(problem.searched)]))
+    (peaks,) = np.asarray(look(problem, z, seen(problem, z), z[None, list(problem.searched)]))
     traces = watch(TRUTH, clips).evidence
     for event, peak in zip(problem.events, peaks, strict=True):
         clip = clips[event.clip]
