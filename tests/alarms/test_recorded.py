@@ -67,7 +67,7 @@ def clips(data, tmp_path_factory):
 @pytest.mark.slow
 def test_all_six_are_right_and_the_left_out_ones_are_told(clips, record_property):
     recipe = lgmd.alarms.load_recipe("video")
-    found = fit(recipe.model, clips, recipe.free, key=jax.random.key(0), descend=2, pixel_points=64, cell_points=1024)
+    found = fit(recipe.model, clips, recipe.free, key=jax.random.key(0), descend=2, pixel_points=64)
     record_property("table", found.summary())
     assert found.cost == 0
     assert found.margin > 0.05
