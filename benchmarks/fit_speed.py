@@ -8,6 +8,7 @@ import argparse
 import subprocess
 import sys
 import time
+from functools import partial
 
 import jax
 
@@ -15,7 +16,7 @@ from lgmd2jax._pixels import scan_pixels
 from lgmd2jax._recipe import load_recipe
 from lgmd2jax.fitting import _problem
 
-RULES = {"exact": _problem.potentials, "plain": scan_pixels}
+RULES = {"exact": _problem.potentials, "plain": partial(scan_pixels, record=None)}
 
 
 def seconds(recipe: str, rule: str) -> float:
