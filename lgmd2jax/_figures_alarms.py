@@ -79,7 +79,7 @@ def operating_figure(path: str | os.PathLike, watch: Watch) -> None:
         over.plot(thresholds, false / max(float(false.max()), 1e-9), color=BLACK, label="false alarms (of the most)")
         over.axvline(watch.T_sp, color=VERMILION, linestyle="--", linewidth=1)
         over.set(xlabel="T_sp (adapted SMP)", ylabel="share", ylim=(-0.03, 1.03))
-        over.legend(loc="center left")
+        over.legend(loc="lower center", bbox_to_anchor=(0.5, 1), ncols=2)
         if warnings:
             lead.hist(warnings, bins=min(20, len(warnings)), color=BLUE, alpha=0.7)
         lead.axvline(0, color=BLUE, linestyle=":", linewidth=1)
