@@ -14,12 +14,15 @@ from lgmd2jax._parameters import PRESETS, nearest, preset, symbols
 from lgmd2jax._yue_rind import YueRindLGMD1
 
 _PRESET, _YUE_RIND = "preset:", "yue_rind"
-MODEL_HELP = "a hand-over file model.json, the name of a shipped fit, or preset:NAME (default: %(default)s)"
 
 
 def add_model(parser: argparse.ArgumentParser) -> None:
     """The arguments --model and --set."""
-    parser.add_argument("--model", default="preset:lgmd2", help=MODEL_HELP)
+    parser.add_argument(
+        "--model",
+        default="preset:lgmd2",
+        help="a hand-over file model.json, the name of a shipped fit, or preset:NAME (default: %(default)s)",
+    )
     parser.add_argument(
         "--set", action="append", default=[], metavar="NAME=VALUE", help="set one parameter; may be repeated"
     )

@@ -73,9 +73,10 @@ def scan_pixels(model, frames, interval, record: Record | None) -> tuple[Array, 
 
 
 def scan_sums(model, frames, interval) -> tuple[Array, Array]:
-    """MP(t) and F(t) of an `LGMD2` over a clip, as `scan_pixels`, in about half the time on a CPU.
+    """MP(t) and F(t) of an `LGMD2` over a clip, the numbers of `scan_pixels` with fewer copies.
 
-    Frames are read where they lie rather than carried, and the border is laid in place.
+    Frames are read where they lie rather than carried, and the border is laid in place. The reverse derivative by the
+    frames would add up over whole clips, so that `scan_pixels` serves that one.
     """
 
     def step(carry, t):

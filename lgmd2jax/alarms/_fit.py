@@ -14,6 +14,7 @@ from lgmd2jax._thresholds import Hard
 from lgmd2jax.alarms._choice import Choice, choose
 from lgmd2jax.alarms._footage import Footage
 from lgmd2jax.alarms._problem import AlarmProblem, problem_of
+from lgmd2jax.alarms._reel import Sums
 from lgmd2jax.alarms._result import AlarmFit, Descended
 from lgmd2jax.alarms._search import look, seen
 from lgmd2jax.alarms._watch import watch
@@ -94,7 +95,7 @@ def fit(
     groups = _groups(problem, len(clips))
     starts = _Starts(problem, points, groups, cell_points, seed, tuple(map(float, temperatures)), solver, max_steps)
     with Work({} if memory is None else memory, progress, client) as work:
-        screened = work.do("screening", starts.screen, range(len(points)), partial(starts.screen, 0, None))
+        screened = work.do("screening", starts.screen, range(len(points)), starts.compile)
         if not screened:
             raise KeyboardInterrupt
         anywhere = tuple(screened.values())  # what is near the best says nothing of how large the region is
@@ -157,6 +158,10 @@ class _Starts:
         drawn = sobol(len(self.problem.searched), self.cell_points, (*self.seed, number))
         return np.vstack([self.points[0, list(self.problem.searched)], drawn[1:]]) if number == 0 else drawn
 
+    def compile(self) -> None:
+        """What every start needs, by one look."""
+        self._choose_among(self.points[0], seen(self.problem, self.points[0]), self.cells(0))
+
     def screen(self, number: int, stop: Stop) -> dict[str, Any]:
         """A point of the pixels' parameters, anywhere."""
         return self._closing_in(self.points[number], self.cells(number), _ANYWHERE, number)
@@ -187,16 +192,23 @@ class _Starts:
 
         The first ones alone tell how many are right: those near the best say nothing of how large the region is.
         """
-        sums, best, region = seen(self.problem, point), [], {}
-        for closer in range(1 + _CLOSER):
-            peaks = np.asarray(look(self.problem, point, sums, cells))
-            choices = [_choice(self.problem, peaks, group) for group in self.groups]
-            found = [_best(self.problem, point, cells, peaks, it) for it in choices]
-            best = [min(pair, key=_risk) for pair in zip(best, found, strict=True)] if closer else found
-            region = region or self._region(point, cells[choices[0].cost == 0], len(cells))
+        sums = seen(self.problem, point)
+        best, right = self._choose_among(point, sums, cells)
+        region = self._region(point, cells[right], len(cells))
+        for closer in range(_CLOSER):
             drawn = sobol(len(self.problem.searched), len(cells), (*self.seed, number, closer))
-            cells = self._around(np.array(best[0]["z"]), radius / 2**closer, drawn)
+            near = self._around(np.array(best[0]["z"]), radius / 2**closer, drawn)
+            found, _ = self._choose_among(point, sums, near)
+            best = [min(pair, key=_risk) for pair in zip(best, found, strict=True)]
         return {"best": best, "loss": best[0]["loss"], **region}
+
+    def _choose_among(
+        self, point: np.ndarray, sums: tuple[Sums, ...], cells: np.ndarray
+    ) -> tuple[list[dict[str, Any]], np.ndarray]:
+        """The best cell for each group of events, and which cells are right on all of them."""
+        peaks = np.asarray(look(self.problem, point, sums, cells))
+        choices = [_choice(self.problem, peaks, group) for group in self.groups]
+        return [_best(self.problem, point, cells, peaks, it) for it in choices], choices[0].cost == 0
 
     def _around(self, centre: np.ndarray, radius: float, drawn: np.ndarray) -> np.ndarray:
         """Cells within a radius of that of a point, and that one."""
