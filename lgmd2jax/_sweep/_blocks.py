@@ -78,12 +78,14 @@ def plan(grid: Grid, channels: tuple[str, ...], block: int | None) -> Plan:
     first = grid.at([np.zeros(1, int) for _ in grid.axes])
     times = []
 
-    def one(point):
+    def rendered(point):
         stimulus = grid.setup.render(point)
         times.append(stimulus.time)
-        return stimulus.frames, respond(grid.setup, channels, point)
+        return stimulus.frames
 
-    frames, results = eqx.filter_eval_shape(one, {name: jnp.asarray(values[0]) for name, values in first.items()})
+    point = {name: jnp.asarray(values[0]) for name, values in first.items()}
+    frames = eqx.filter_eval_shape(rendered, point)
+    results = eqx.filter_eval_shape(_traced_once, grid.setup, channels, point)
     if not is_concrete(times[0]):
         raise ValueError("the window hangs on what is swept; give the renderer start_ms and end_ms for the whole grid")
     if block is None:
@@ -102,6 +104,9 @@ def _chunk(shape: tuple[int, ...], block: int) -> tuple[int, ...]:
         chunk.append(-(-size // parts))
         left //= chunk[-1]
     return tuple(reversed(chunk))
+
+
+_traced_once = eqx.filter_jit(respond)
 
 
 @eqx.filter_jit

@@ -12,6 +12,7 @@ from lgmd2jax._parameters import is_concrete
 from lgmd2jax.stimuli import _coverage as coverage
 from lgmd2jax.stimuli._arguments import number, one_of
 from lgmd2jax.stimuli._background import Background, Uniform
+from lgmd2jax.stimuli._disc import Disc
 from lgmd2jax.stimuli._stimulus import Stimulus
 
 SHAPES = ("disc", "square")
@@ -110,12 +111,14 @@ def _draw(
     bounds, courses = path(eye, time)
     paint = background.painter(eye)
 
-    def frame(now):
-        time, (left, right, bottom, top), level, check_level = now
+    def shape(left, right, bottom, top):
         if look.shape == "disc":
-            covered = coverage.disc(eye.rows, eye.cols, (left + right) / 2, (bottom + top) / 2, (right - left) / 2)
-        else:
-            covered = coverage.rectangle(eye.rows, eye.cols, left, right, bottom, top)
+            return Disc(eye.rows, eye.cols, (left + right) / 2, (bottom + top) / 2, (right - left) / 2)
+        return coverage.Rectangle(eye.rows, eye.cols, left, right, bottom, top)
+
+    def frame(now):
+        time, (left, right, bottom, top), outline, level, check_level = now
+        covered = outline.covered()
         ground = paint(time)
         seen = ground + covered * ((level + check_level) / 2 - ground)
         if look.checks:
@@ -128,4 +131,6 @@ def _draw(
         return seen
 
     levels = (jnp.broadcast_to(each, time.shape) for each in (look.level, look.check_level))
-    return jax.lax.map(frame, (time, tuple(bounds.T), *levels)), courses
+    # Of all frames at once: within a frame XLA would compute parts of it anew for each pixel.
+    outlines = jax.vmap(shape)(*bounds.T)
+    return jax.lax.map(frame, (time, tuple(bounds.T), outlines, *levels)), courses

@@ -7,6 +7,7 @@ import pytest
 from skimage.draw import disk, rectangle
 
 from lgmd2jax.stimuli import _coverage as coverage
+from lgmd2jax.stimuli._disc import Disc, _angle
 
 ROWS, COLS, FINE = 20, 24, 40
 DISCS = {
@@ -32,7 +33,7 @@ def finely(right, up):
 
 @jax.jit
 def disc(place):
-    return coverage.disc(ROWS, COLS, place[0], place[1], place[2])
+    return Disc(ROWS, COLS, place[0], place[1], place[2]).covered()
 
 
 forward = jax.jit(jax.jacfwd(disc))
@@ -50,7 +51,7 @@ def test_rectangle_is_what_scikit_image_draws_finely():
     (upper, first), (lower, last) = finely(left, top), finely(right, bottom)
     corners = (np.ceil([upper, first]).astype(int).clip(0), np.floor([lower, last]).astype(int))
     drawn = supersampled(lambda shape: rectangle(corners[0], end=corners[1], shape=shape))
-    covered = coverage.rectangle(ROWS, COLS, *map(jnp.asarray, (left, right, bottom, top)))
+    covered = coverage.Rectangle(ROWS, COLS, *map(jnp.asarray, (left, right, bottom, top))).covered()
     assert np.max(np.abs(covered - drawn)) < 1e-12
 
 
@@ -61,7 +62,7 @@ def test_disc_has_its_exact_area_wherever_it_is():
 
 
 def test_single_precision_is_good_to_a_thousandth_of_a_pixel():
-    large = jax.jit(lambda x, y, radius: coverage.disc(100, 120, x, y, radius))
+    large = jax.jit(lambda x, y, radius: Disc(100, 120, x, y, radius).covered())
     double, single = (large(*(dtype(value) for value in (0.25, 0.125, 45.5))) for dtype in (jnp.float64, jnp.float32))
     assert single.dtype == jnp.float32
     assert np.max(np.abs(single - double)) < 1e-3
@@ -70,10 +71,17 @@ def test_single_precision_is_good_to_a_thousandth_of_a_pixel():
 
 def test_single_precision_is_finer_still_inside_of_the_disc():
     x, y, radius = (jnp.float32(value) for value in (0.31, -0.77, 41.3))
-    area = np.asarray(jax.jit(lambda *place: coverage.disc(100, 120, *place))(x, y, radius))
+    area = np.asarray(jax.jit(lambda *place: Disc(100, 120, *place).covered())(x, y, radius))
     corners = np.hypot(coverage.column_edges(120)[None, :] - 0.31, coverage.row_edges(100)[:, None] + 0.77)
     corners = np.stack([corners[i : 100 + i, j : 120 + j] for i in (0, 1) for j in (0, 1)])
     assert np.max(np.abs(area[corners.max(0) < 41.3 - 1e-4] - 1)) < 2e-5
+
+
+def test_angles_are_those_of_the_arc_sine_to_the_last_digits():
+    radius = 7.3
+    x = radius * np.linspace(0, 0.999, 1000)  # nearer to the rim the arc sine is the one that rounds badly
+    assert np.max(np.abs(_angle(jnp.asarray(x), jnp.asarray(radius)) - np.arcsin(x / radius))) < 1e-14
+    assert abs(float(_angle(jnp.asarray([radius]), jnp.asarray(radius))[0]) - np.pi / 2) < 1e-15
 
 
 @pytest.mark.parametrize("place", [(0.31, -0.77, 3.27), (0.5, 0.6, 0.3), (11.23, 9.11, 6.43), (0.1, 0.2, 13.3)])

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from lgmd2jax import Eye, stimuli
-from lgmd2jax.stimuli import _coverage as coverage, _encounter
+from lgmd2jax.stimuli import _encounter, _scene
 
 EYE = Eye.from_field_of_view(36, 64, 70.0, 30.0, "pinhole")
 KEY = jax.random.key(3)
@@ -18,8 +18,8 @@ def drawn():
     """Clips of every kind, and how often a disc's drawing was traced for them."""
     traces = []
     with pytest.MonkeyPatch.context() as patch:
-        disc = coverage.disc
-        patch.setattr(coverage, "disc", lambda *args: traces.append(args) or disc(*args))
+        disc = _scene.Disc
+        patch.setattr(_scene, "Disc", lambda *args: traces.append(args) or disc(*args))
         return list(stimuli.encounters(EYE, KEY, 36)), len(traces)
 
 
