@@ -23,6 +23,7 @@ from benchmarks._timing import time_together
 EYE = lgmd.Eye(48, 64, degrees_per_pixel=2.0, fps=100.0)
 WINDOW = {"start_ms": -900.0, "end_ms": 90.0}  # 100 frames
 SIDE = 20
+LARGE_SIDE = 64  # some seconds of work, which the default block cuts into 16
 TINY = lgmd.Eye(10, 13, degrees_per_pixel=7.0, fps=50.0)
 
 
@@ -93,7 +94,7 @@ def workers() -> str:
 
     def seconds(client, shift):
         began = time.perf_counter()
-        lgmd.sweep(lgmd.LGMD2(), lgmd.stimuli.looming, EYE, **axes(SIDE, shift), **WINDOW, client=client, block=25)
+        lgmd.sweep(lgmd.LGMD2(), lgmd.stimuli.looming, EYE, **axes(LARGE_SIDE, shift), **WINDOW, client=client)
         return time.perf_counter() - began
 
     def processor(client, shift):
@@ -104,8 +105,8 @@ def workers() -> str:
 
     settings = {"threads_per_worker": 1, "dashboard_address": ":0"}
     with (
-        LocalCluster(1, **settings) as small,
-        LocalCluster(2, **settings) as large,
+        LocalCluster(n_workers=1, **settings) as small,
+        LocalCluster(n_workers=2, **settings) as large,
         Client(small) as one,
         Client(large) as two,
     ):
@@ -118,7 +119,7 @@ def workers() -> str:
     machine = statistics.median(2 * first / second for first, second in plain)
     least = [min(times) for times in zip(*rounds, strict=True)]
     return (
-        f"{SIDE} x {SIDE} at 48x64 on two workers: {ratio:.2f} times as fast as on one (median of rounds); "
+        f"{LARGE_SIDE} x {LARGE_SIDE} at 48x64 on two workers: {ratio:.2f} times as fast as on one (median of rounds); "
         f"at best {least[0]:.2f} s on one, {least[1]:.2f} s on two: {least[0] / least[1]:.2f} times\n"
         f"plain arithmetic by both workers at once: {machine:.2f} times as fast as by one, so much do two cores give\n"
         f"processor time {used[0]:.2f} s and {used[1]:.2f} s: on idle cores {2 * used[0] / used[1]:.2f} times"

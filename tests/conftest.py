@@ -30,7 +30,7 @@ def untyped():
 @pytest.fixture(scope="session")
 def data() -> pathlib.Path:
     """The folder with recorded responses and clips, or a skip."""
-    folder = pathlib.Path(os.environ.get("LGMD2JAX_DATA", pathlib.Path(__file__).parents[2] / "shared" / "data"))
+    folder = pathlib.Path(os.environ.get("LGMD2JAX_DATA") or pathlib.Path(__file__).parents[2] / "shared" / "data")
     if not folder.is_dir():
         pytest.skip(f"no recordings at {folder}; set LGMD2JAX_DATA to the folder that holds them")
     return folder
