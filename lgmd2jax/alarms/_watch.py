@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import equinox as eqx
 import numpy as np
+import scipy
 from jaxtyping import Float
-from scipy import stats
 
 from lgmd2jax._model import LGMD2
 from lgmd2jax._trace import stretches
@@ -81,11 +81,11 @@ class Watch:
         hits, false = self._counts(self.T_sp)
         share = Share(math.nan, 0.0, 1.0)
         if self.windows:
-            interval = stats.binomtest(hits, self.windows).proportion_ci(method="wilson")
+            interval = scipy.stats.binomtest(hits, self.windows).proportion_ci(method="wilson")
             share = Share(hits / self.windows, float(interval.low), float(interval.high))
         minutes = self.silent_minutes or math.nan
-        low = stats.chi2.ppf(0.025, 2 * false) / 2 if false else 0.0
-        high = stats.chi2.ppf(0.975, 2 * false + 2) / 2
+        low = scipy.stats.chi2.ppf(0.025, 2 * false) / 2 if false else 0.0
+        high = scipy.stats.chi2.ppf(0.975, 2 * false + 2) / 2
         return Score(share, Share(false / minutes, float(low) / minutes, float(high) / minutes))
 
     @property

@@ -6,8 +6,8 @@ from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
+import scipy
 from jaxtyping import Array, Float
-from scipy import stats
 
 from lgmd2jax._network import Network
 from lgmd2jax._observation import Observation, observation_symbols
@@ -114,7 +114,11 @@ class Fit:
             raise ValueError(f"{name!r} is not free in this fit; choose {', '.join(self.free.names)}")
         residuals, u, index = self._residuals("profile"), self.uncertainty, self.free.names.index(name)
         # With errors that are only relative the rise is measured by the residual variance, which is known so well.
-        quantile = stats.chi2.ppf(confidence, 1) if u.absolute else stats.f.ppf(confidence, 1, u.degrees_of_freedom)
+        quantile = (
+            scipy.stats.chi2.ppf(confidence, 1)
+            if u.absolute
+            else scipy.stats.f.ppf(confidence, 1, u.degrees_of_freedom)
+        )
         step = 2 * float(np.sqrt(u.covariance_z[index, index]))
         return profile(
             residuals,

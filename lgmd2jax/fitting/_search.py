@@ -10,8 +10,8 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
+import scipy
 from jaxtyping import Array, Float
-from scipy.stats import qmc
 
 from lgmd2jax.fitting._problem import Potentials, Problem
 from lgmd2jax.fitting._space import Space
@@ -32,7 +32,7 @@ def sobol(dimensions: int, count: int, seed: tuple[int, ...]) -> Float[np.ndarra
     """Points that fill the unit box evenly; another seed, other points."""
     if dimensions == 0:
         return np.zeros((1, 0))
-    sampler = qmc.Sobol(dimensions, scramble=True, rng=np.random.default_rng(list(seed)))
+    sampler = scipy.stats.qmc.Sobol(dimensions, scramble=True, rng=np.random.default_rng(list(seed)))
     return sampler.random_base2(max(count - 1, 1).bit_length())[:count]
 
 

@@ -4,8 +4,8 @@ import dataclasses
 from collections.abc import Callable, Sequence
 
 import numpy as np
+import scipy
 from jaxtyping import Bool, Float, Int
-from scipy import stats
 
 # Variance of a value of which only its bounds are known, in the unit box.
 BOX_VARIANCE = 1 / 12
@@ -113,7 +113,7 @@ def uncertainty(
     if not reason and np.isinf(errors_z).all():
         reason = "no parameter is determined by these curves"
 
-    law = stats.norm if absolute else stats.t(max(degrees, np.finfo(float).tiny))
+    law = scipy.stats.norm if absolute else scipy.stats.t(max(degrees, np.finfo(float).tiny))
     reach = law.ppf(0.5 + confidence / 2) * errors_z
     ends = [np.clip(z + sign * reach, 0, 1) for sign in (-1, 1)]
     with np.errstate(invalid="ignore", divide="ignore"):
