@@ -106,7 +106,7 @@ def _chunk(shape: tuple[int, ...], block: int) -> tuple[int, ...]:
     return tuple(reversed(chunk))
 
 
-_traced_once = eqx.filter_jit(respond)
+_traced_once = eqx.filter_jit(respond)  # a plan asks for shapes alone; of another sweep like it they are known
 
 
 @eqx.filter_jit

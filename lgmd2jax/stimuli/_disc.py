@@ -16,7 +16,7 @@ from lgmd2jax.stimuli._coverage import Map, Scalar, column_edges, row_edges
 class Lines(eqx.Module):
     """Columns or rows, seen from the centre of a disc.
 
-    - `border`: distances of their borders, and `side` of the centre, -1 or 1, on which these are.
+    - `border`: distances of their borders, and `side` of the centre, -1, 0 or 1, on which these are.
     - `under`: the area under the rim up to there, less half a quarter of the disc, with the sign of the side.
     - `nearest`: distances of what is nearest in each of them.
     """
@@ -86,7 +86,7 @@ def _height(x, radius):
 
 
 def _angle(x, radius):
-    """Of the rim at x, from the top. The arc tangent of XLA takes a CPU half as long as all else that is drawn.
+    """Of the rim at x, from the top. On a CPU the arc tangent of XLA takes half of the time of drawing.
 
     The tangent of an eighth of the angle is at most tan(pi/16), for which eleven terms of the series do in any dtype.
     """

@@ -132,5 +132,5 @@ def _draw(
 
     levels = (jnp.broadcast_to(each, time.shape) for each in (look.level, look.check_level))
     # Of all frames at once: within a frame XLA would compute parts of it anew for each pixel.
-    outlines = jax.vmap(shape)(*bounds.T)
-    return jax.lax.map(frame, (time, tuple(bounds.T), outlines, *levels)), courses
+    sides = tuple(bounds.T)
+    return jax.lax.map(frame, (time, sides, jax.vmap(shape)(*sides), *levels)), courses
