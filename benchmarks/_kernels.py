@@ -1,6 +1,7 @@
-"""What XLA launches for a frame: the instructions in the body of the scan over frames, once compiled."""
+"""What XLA does for a frame: the instructions in the body of the scan over frames, once compiled."""
 
 import re
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -14,13 +15,23 @@ _FREE = {"parameter", "constant", "tuple", "get-tuple-element", "bitcast"}
 _INSTRUCTION = re.compile(r"^\s+(?:ROOT )?%\S+ = (?:\(.*?\)|\S+) ([\w-]+)\(", re.MULTILINE)
 
 
-def kernels_per_frame(size: Size) -> dict[str, int]:
-    """How many instructions of each kind a frame of the hard forward costs, cell not counted."""
+class Work(NamedTuple):
+    """How many instructions of each kind a frame costs, and whether the whole loop over frames is one kernel."""
+
+    kinds: dict[str, int]
+    whole: bool
+
+
+def work_per_frame(size: Size) -> Work:
+    """Of the hard forward, cell not counted."""
     frames = jax.ShapeDtypeStruct((60, *size), jnp.float32)
     respond = jax.jit(lambda parameters, frames: lgmd.LGMD2(parameters)(frames, FPS))
     text = respond.lower(_library.parameters(), frames).compile().as_text()
     assert text is not None
-    return count_instructions(_pixel_loop(text, size))
+    loop = _pixel_loop(text, size)
+    body = loop.split(" ", 1)[0]
+    entry = text[text.index("\nENTRY ") :]
+    return Work(count_instructions(loop), f"body={body}" not in entry)
 
 
 def count_instructions(computation: str) -> dict[str, int]:

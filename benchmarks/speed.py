@@ -2,7 +2,8 @@
 
 Every subject is called once a round, one after the other, over several rounds. Times are medians, in microseconds a
 frame a stimulus, with compilation apart; ratios are medians of the ratios of each round. A peer is checked against
-`lgmd2jax.hard` before it is timed, and one that is not installed is left out.
+`lgmd2jax.hard` before it is timed, and one that is not installed is left out. XLA compiles as for the command
+`lgmd2jax`, unless `XLA_FLAGS` is set; with `XLA_FLAGS=` in front as it does by default.
 """
 
 import argparse
@@ -24,6 +25,7 @@ from benchmarks._claims import Claim, claims
 from benchmarks._task import FPS, LARGE, ROBOT, SMALL, VALUES, Size, film
 from benchmarks._timing import Timing, time_together
 from lgmd2jax._files import replaced
+from lgmd2jax._xla import set_flags
 
 FRAMES, BATCH, SWEEP = 60, 64, 20
 # The name for the fastest of several ways to do the same.
@@ -72,7 +74,7 @@ class Run:
     rows: Mapping[Size, Mapping[str, Row]]
     memory: Mapping[tuple[str, int], _gradient_memory.GradientMemory]
     machine: _roofline.Machine | None
-    kernels: Mapping[Size, Mapping[str, int]]
+    work: Mapping[Size, _kernels.Work]
 
     def ratio(self, subject: str, other: str, size: Size) -> float | None:
         """How many times the time of another a subject takes a frame; None where one of them is missing."""
@@ -148,8 +150,9 @@ def measure(quick: bool) -> Run:
     if quick:
         cases = [("exact", 60), ("exact", 600), ("naive", 60)]
     memory = {case: _gradient_memory.measure(*case) for case in tqdm(cases, desc="memory", leave=False)}
-    machine = _roofline.measure(tuple(rows)) if _peers.find("_numba_loop") else None
-    return Run(rows, memory, machine, {size: _kernels.kernels_per_frame(size) for size in rows})
+    machine = _peers.find("_numba_machine")
+    roofline = machine and machine.measure(tuple(rows))
+    return Run(rows, memory, roofline, {size: _kernels.work_per_frame(size) for size in rows})
 
 
 def table(run: Run) -> str:
@@ -175,9 +178,10 @@ def table(run: Run) -> str:
             + ", ".join(f"{1e6 * run.machine.seconds(size):.1f} us at {size}" for size in run.rows),
         ]
     lines += [""]
-    for size, kinds in run.kernels.items():
-        parts = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
-        lines.append(f"kernels a frame, forward hard, {size}: {sum(kinds.values())} ({parts})")
+    for size, work in run.work.items():
+        parts = ", ".join(f"{count} {kind}" for kind, count in work.kinds.items())
+        kernels = "in one kernel for all frames" if work.whole else "each a kernel"
+        lines.append(f"work a frame, forward hard, {size}: {sum(work.kinds.values())} ({parts}), {kernels}")
     return "\n".join(lines)
 
 
@@ -203,9 +207,9 @@ def as_json(run: Run, found: list[Claim]) -> str:
         "cached_bytes_per_s": {str(size): value for size, value in run.machine.cached.items()},
         "peak_flops_per_s": run.machine.peak,
     }
-    kernels = {str(size): kinds for size, kinds in run.kernels.items()}
+    work = {str(size): it._asdict() for size, it in run.work.items()}
     verdicts = [{**dataclasses.asdict(claim), "holds": claim.holds} for claim in found]
-    content = {"speed": rows, "memory": memory, "machine": machine, "kernels": kernels, "claims": verdicts}
+    content = {"speed": rows, "memory": memory, "machine": machine, "work": work, "claims": verdicts}
     return json.dumps(content, indent=1) + "\n"
 
 
@@ -218,6 +222,8 @@ def main() -> None:
     options = parser.parse_args()
     if options.one_core:
         os.sched_setaffinity(0, [min(os.sched_getaffinity(0))])
+    set_flags()
+    print(f"XLA_FLAGS={os.environ['XLA_FLAGS']!r}")
     jax.config.update("jax_num_cpu_devices", 2)
     for module, package in _peers.PACKAGES.items():
         peer = _peers.find(module)

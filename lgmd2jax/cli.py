@@ -15,6 +15,7 @@ from lgmd2jax import (
     _command_sweep,
     _command_watch,
 )
+from lgmd2jax._xla import set_flags
 
 
 class _Parser(argparse.ArgumentParser):
@@ -43,6 +44,7 @@ def main(arguments: list[str] | None = None) -> int:
     ):
         command.add(commands)
     options = parser.parse_args(arguments)
+    set_flags()
     jax.config.update("jax_enable_x64", True)
     try:
         options.run(options)

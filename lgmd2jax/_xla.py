@@ -1,0 +1,22 @@
+"""How programs of ours ask XLA to compile. A library asks for nothing: the process is its user's."""
+
+import os
+from importlib.metadata import version
+
+# A loop over frames becomes one kernel on one core, which takes about half as long to compile. XLA would launch a dozen
+# for every frame, and split each between threads; the starts of a fit and the conditions of a sweep keep cores busier.
+# A loop that touches more than 20 MB a frame, such as the gradient's at 320 x 240, is split as ever.
+_WHOLE_LOOPS = "--xla_backend_extra_options=xla_cpu_small_while_loop_byte_threshold=20000000"
+# All of a vector register, where XLA would use half of it.
+_WIDE_VECTORS = "--xla_cpu_prefer_vector_width=512"
+
+FLAGS = f"{_WHOLE_LOOPS} {_WIDE_VECTORS}"
+
+
+def set_flags() -> None:
+    """Before the first array of a process: set `XLA_FLAGS`, unless its user did.
+
+    The second flag ends a process whose XLA does not know it, so the releases that do are named.
+    """
+    known = version("jaxlib").startswith(("0.8.", "0.9.", "0.10."))
+    os.environ.setdefault("XLA_FLAGS", FLAGS if known else _WHOLE_LOOPS)
