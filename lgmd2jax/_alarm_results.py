@@ -61,7 +61,7 @@ def _content(fit: AlarmFit, held: Held | None) -> dict[str, Any]:
             "silent_minutes": held.minutes,
             "scores": {name: _shares(it) for name, it in held.scores.items()},
         },
-        "result": STOPPED if fit.stopped else "searched and descended",
+        "result": STOPPED if fit.stopped else "descended" if fit.descended else "searched",
     }
 
 

@@ -32,7 +32,8 @@ examples:
   lgmd2jax respond crash.mp4 --overlay crash-lgmd2.mp4    the clip with trace and alarm drawn on it
 
 Any video that ffmpeg reads will do. The clip is read frame by frame, so its length does not matter; --drop-duplicates
-reads it twice. Parameters belong to a frame rate and a field of view: those of the presets are meant for 30 fps.
+reads it twice. Parameters belong to a frame rate and a field of view: those of the presets are meant for 30 fps, and a
+fitted model sees a clip as wide as the eye that it was fitted with.
 """
 
 
@@ -50,7 +51,12 @@ def add(commands) -> None:
     parser.add_argument("--figure", type=Path, metavar="FILE", help="the figure (default: CLIP's name with .png, here)")
     parser.add_argument("--overlay", type=Path, metavar="FILE", help="the clip with trace and alarm drawn on it")
     parser.add_argument("--fps", type=float, metavar="N", help="frames per second (default: the file's own clock)")
-    parser.add_argument("--resize", type=int, metavar="N", help="width in pixels that the model sees, after the crop")
+    parser.add_argument(
+        "--resize",
+        type=int,
+        metavar="N",
+        help="width in pixels that the model sees, after the crop (default: that of the model's eye, else the clip's)",
+    )
     parser.add_argument(
         "--crop", metavar="TOP:BOTTOM,LEFT:RIGHT", help="rows and columns to use, from 0; ends may be left out"
     )
@@ -70,7 +76,8 @@ def run(options: argparse.Namespace) -> None:
     check_figure_path(figure)
     model = with_parameters(model_named(options.model), options.set)
     crop = None if options.crop is None else window_of(options.crop)
-    clip = open_clip(options.clip, fps=options.fps, crop=crop, resize=options.resize)
+    width = model.eye.cols if options.resize is None and model.eye is not None else options.resize
+    clip = open_clip(options.clip, fps=options.fps, crop=crop, resize=width)
     if model.eye is not None and abs(clip.fps / model.eye.fps - 1) > 0.01:
         print(
             f"lgmd2jax: warning: the model belongs to {model.eye.fps:g} fps, the clip has {clip.fps:g}", file=sys.stderr

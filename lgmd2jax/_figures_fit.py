@@ -126,7 +126,7 @@ def _panel(axes: Axes, curve: Curve, limits: tuple[float, float]) -> None:
 
 def _quality(curve: Curve) -> str:
     hard, soft = curve.r2("hard"), curve.r2("soft")
-    explained = "flat target" if np.isnan(hard) else f"R² {hard:.3f} (soft {soft:.3f})"
+    explained = "flat target" if np.isnan(hard) else f"R² {hard:.3g} (soft {soft:.3g})"
     return f"{explained}, RMSE {curve.rmse('hard'):.2g}"
 
 
