@@ -52,10 +52,12 @@ def run(options: argparse.Namespace) -> None:
 
 
 def _further(path: Path, recipe: AlarmRecipe) -> tuple[Footage, ...]:
-    """The clips of another file; they are seen with an eye of their own."""
-    file = load_footage(path)
-    if file.eye.fps != recipe.file.eye.fps:
-        raise ValueError(f"{path} is for {file.eye.fps:g} fps, the recipe for {recipe.file.eye.fps:g}; use one rate")
+    """The clips of another file; they may have a size of their own, but parameters belong to a rate and a scale."""
+    file, eye = load_footage(path), recipe.file.eye
+    for name in ("fps", "degrees_per_pixel"):
+        its, wanted = getattr(file.eye, name), getattr(eye, name)
+        if its != wanted:
+            raise ValueError(f"{path} has {name} = {its}, the recipe's clips have {wanted}; use one eye for both")
     return file.load(_bar)
 
 

@@ -2,6 +2,7 @@
 
 import argparse
 import contextlib
+import sys
 from pathlib import Path
 
 from lgmd2jax._files import replaced
@@ -47,10 +48,17 @@ def run(options: argparse.Namespace) -> None:
     model = with_parameters(model_named(options.model), options.set)
     if not isinstance(model, LGMD2):
         raise ValueError(f"{options.model} is no LGMD2; its alarms are counted otherwise: see lgmd2jax respond")
+    file = load_footage(options.labels)
+    if model.eye is not None and model.eye.degrees_per_pixel != file.eye.degrees_per_pixel:
+        print(
+            f"lgmd2jax: warning: the model has degrees_per_pixel = {model.eye.degrees_per_pixel}, "
+            f"{options.labels} {file.eye.degrees_per_pixel}: at another scale other parameters are right",
+            file=sys.stderr,
+        )
     outputs = [path for path in (options.csv, options.figure) if path]
     with contextlib.ExitStack() as stack:
         files = {path: stack.enter_context(replaced(path)) for path in outputs}
-        seen = watch(model, load_footage(options.labels).load())
+        seen = watch(model, file.load())
         if options.csv:
             write_table(files[options.csv], seen.verdicts())
         if options.figure:

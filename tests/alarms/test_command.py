@@ -136,6 +136,20 @@ def test_a_model_is_judged_on_clips_without_a_fit(place, capsys):
     assert "clip" in capsys.readouterr().out
 
 
+def test_a_model_and_clips_of_another_scale(place, capsys):
+    """A fit refuses to mix them, since one parameter set cannot be right for both; watching says so and goes on."""
+    coarse = (place / "own.toml").read_text().replace("degrees_per_pixel = ", "degrees_per_pixel = 1")
+    (place / "coarse.toml").write_text(coarse)
+    assert main(["fit", str(place / "mine.toml"), "--clips", str(place / "coarse.toml"), "-o", str(place / "mix")]) != 0
+    assert "coarse.toml has degrees_per_pixel = 1" in capsys.readouterr().err
+    assert not (place / "mix").exists()
+    model = ["--model", str(place / "mine/model.json")]
+    assert not main(["watch", str(place / "own.toml"), *model])
+    assert "warning" not in capsys.readouterr().err
+    assert not main(["watch", str(place / "coarse.toml"), *model])
+    assert "warning: the model has degrees_per_pixel = " in capsys.readouterr().err
+
+
 def test_watching_takes_an_lgmd2_and_labels(place, capsys):
     assert main(["watch", str(place / "clips.toml"), "--model", "preset:yue_rind"]) != 0
     assert "is no LGMD2" in capsys.readouterr().err
