@@ -13,6 +13,7 @@ import jax
 import numpy as np
 
 import lgmd2jax as lgmd
+from lgmd2jax._xla import set_flags
 from lgmd2jax.alarms import footage, load_recipe
 from lgmd2jax.alarms._choice import choose
 from lgmd2jax.alarms._problem import problem_of
@@ -20,6 +21,7 @@ from lgmd2jax.alarms._search import look, seen
 from lgmd2jax.fitting._search import sobol
 from lgmd2jax.fitting._work import Stop, Work
 
+EYE = lgmd.Eye(60, 108, degrees_per_pixel=0.65, fps=30.0, projection="pinhole")
 CLIPS, FRAMES, CELLS = 10, 200, 1024
 WANTED_S = 20.0
 
@@ -29,9 +31,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--points", type=int, default=98, help="pixel stages (default: %(default)s)")
     options = parser.parse_args()
+    set_flags()
     jax.config.update("jax_enable_x64", True)
     recipe = load_recipe("video")
-    films = list(lgmd.stimuli.encounters(recipe.file.eye, jax.random.key(0), CLIPS, duration_ms=1000 * FRAMES / 30))
+    films = list(lgmd.stimuli.encounters(EYE, jax.random.key(0), CLIPS, duration_ms=1000 * FRAMES / 30))
     labels: dict[str, Any] = {"windows": [(180, 199)], "silent": [(10, 150)]}
     clips = [footage(it.kind, np.asarray(it.stimulus.frames).astype(np.uint8), 30, **labels) for it in films]
     problem = problem_of(recipe.model, recipe.free, clips, 1.0, 1.0)
