@@ -29,9 +29,8 @@ def work_per_frame(size: Size) -> Work:
     text = respond.lower(_library.parameters(), frames).compile().as_text()
     assert text is not None
     loop = _pixel_loop(text, size)
-    body = loop.split(" ", 1)[0]
-    entry = text[text.index("\nENTRY ") :]
-    return Work(count_instructions(loop), f"body={body}" not in entry)
+    body, entry = re.escape(loop.split(" ", 1)[0]), text[text.index("\nENTRY ") :]
+    return Work(count_instructions(loop), whole=re.search(rf"body={body}(?![\w.-])", entry) is None)
 
 
 def count_instructions(computation: str) -> dict[str, int]:

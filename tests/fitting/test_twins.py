@@ -31,8 +31,9 @@ def test_twenty_soft_twins_come_back(shown, seed):
     soft_twin(seed, shown)
 
 
-def test_a_hard_twin_answers_alike(shown):
-    it = twin(2, lgmd.Hard(), shown, **QUICK)  # some of the others take a minute
+@pytest.mark.parametrize("seed", [2, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (0, 1))])
+def test_hard_twins_answer_alike(shown, seed):
+    it = twin(seed, lgmd.Hard(), shown, **QUICK)
     assert it.rmse <= 0.01
     assert it.miscounted <= 0.02
 
