@@ -1,7 +1,7 @@
 """How much faster fits are by the exact sensitivities: python -m benchmarks.fit_speed twin lgmd2
 
-Each recipe is fitted in a fresh process, compilation included, once with the library's derivative of the pixel stage
-and once with plain differentiation of the same scan. Both see the same starts.
+Each recipe is fitted in a fresh process, compilation included and XLA set up as by the command, once with the library's
+derivative of the pixel stage and once with plain differentiation of the same scan. Both see the same starts.
 """
 
 import argparse
@@ -12,6 +12,7 @@ from functools import partial
 
 import jax
 
+from lgmd2jax import _xla
 from lgmd2jax._pixels import scan_pixels
 from lgmd2jax._recipe import load_recipe
 from lgmd2jax.fitting import _problem
@@ -39,6 +40,7 @@ def main() -> None:
     parser.add_argument("recipes", nargs="+", metavar="RECIPE", help="by name or path")
     parser.add_argument("--rule", choices=RULES, help="only this one, here, and only its seconds are printed")
     options = parser.parse_args()
+    _xla.set_flags()
     if options.rule:
         print(_fit_here(options.recipes[0], options.rule))
         return

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, PRNGKeyArray, UInt32
+from jaxtyping import Array, Float, Int, PRNGKeyArray, UInt32
 
 from lgmd2jax._eye import Eye
 from lgmd2jax.stimuli._arguments import one_of, positive
@@ -20,6 +20,8 @@ Key = PRNGKeyArray | UInt32[Array, "2"]
 
 ENCOUNTERS = tuple(KINDS)
 _SILENT = tuple(kind for kind in ENCOUNTERS if kind != "collision")
+_CONVERTED = 0.5  # of the clips
+_SHOT = 2 / 3, 4 / 5, 5 / 6  # of the file's frame rate: in one of 30 a second films of 20, 24 and 25
 
 
 @dataclasses.dataclass(frozen=True)
@@ -28,7 +30,8 @@ class Encounter:
 
     - `kind`: one of `ENCOUNTERS`.
     - `stimulus`: in 8 bits, with its time from 0 ms on.
-    - `time_to_contact_ms`: until a dark object touches the eye, by geometry; infinite where none is on its way to it.
+    - `time_to_contact_ms`: from what is seen until a dark object touches the eye, by geometry; infinite where none is
+      on its way to it.
     """
 
     kind: str
@@ -49,11 +52,12 @@ def encounter(eye: Eye, key: Key, *, kind: str | None = None, duration_ms: float
     - `"light approach"`: a light object on its way to the eye, to which the LGMD2 is blind.
 
     Sizes, speeds, directions, contrasts and surroundings (plain, or pieces of scikit-image's photographs, still or in
-    motion) are drawn too, and so are the camera's noise, flicker and blur.
+    motion) are drawn too, and so are the camera's noise, flicker and blur. Half of the clips, by chance, were shot at
+    2/3, 4/5 or 5/6 of the eye's frame rate and converted to it, as dash-cam films often are: they repeat frames.
 
     **Arguments:**
 
-    - `eye`: known in degrees, of more than 2 frames per second.
+    - `eye`: known in degrees, of more than 3 frames per second.
     - `key`: of everything that is drawn.
     - `kind`: drawn by default, one half collisions and the others equally often.
     - `duration_ms`: of the clip; it holds the whole frames that fit.
@@ -62,22 +66,32 @@ def encounter(eye: Eye, key: Key, *, kind: str | None = None, duration_ms: float
     """
     if kind is not None:
         one_of("kind", kind, ENCOUNTERS)
-    take = Take(eye, _chance(key), _frames(eye, duration_ms))
+    chance, frames = _chance(key), _frames(eye, duration_ms)
+    shot = float(chance.choice(_SHOT)) if chance.random() < _CONVERTED else 1.0
+    take = Take(dataclasses.replace(eye, fps=shot * eye.fps), chance, math.ceil(shot * frames - 1e-6))
     # Also where the kind is given, so that the clip is the same as where it was drawn.
-    drawn = "collision" if take.chance.random() < 0.5 else str(take.chance.choice(_SILENT))
+    drawn = "collision" if chance.random() < 0.5 else str(chance.choice(_SILENT))
     kind = kind or drawn
     seen = KINDS[kind](take)
     until = -np.asarray(seen.time, dtype=float) if kind == "collision" else np.full(take.frames, np.inf)
-    seen = dataclasses.replace(seen, time=jnp.arange(take.frames) * 1000 / eye.fps)
+    seen = dataclasses.replace(seen, time=jnp.arange(take.frames) * 1000 / take.eye.fps)
     filmed = camera(
         seen,
         key,
-        noise=take.chance.uniform(0.5, 3.0),
-        flicker=take.chance.uniform(0, 0.02),
-        flicker_hz=take.chance.choice([100.0, 120.0]),
-        blur=take.chance.uniform(0, 0.6),
+        noise=chance.uniform(0.5, 3.0),
+        flicker=chance.uniform(0, 0.02),
+        flicker_hz=chance.choice([100.0, 120.0]),
+        blur=chance.uniform(0, 0.6),
     )
-    return Encounter(kind, filmed, until)
+    shown = np.arange(frames) * take.frames // frames
+    return Encounter(kind, _converted(filmed, shown, eye.fps), until[shown])
+
+
+def _converted(filmed: Stimulus, shown: Int[np.ndarray, " time"], fps: float | int) -> Stimulus:
+    """A film in a file of so many frames a second, each of which shows one of the film."""
+    frames, courses = jax.tree.map(lambda course: course[shown], (filmed.frames, filmed.courses))
+    time = jnp.arange(len(shown)) * 1000 / fps
+    return dataclasses.replace(filmed, frames=frames, fps=fps, time=time, courses=courses)
 
 
 def encounters(eye: Eye, key: Key, count: int, *, duration_ms: float | int = 3000.0) -> Iterator[Encounter]:
@@ -119,6 +133,6 @@ def _frames(eye: Eye, duration_ms: float | int) -> int:
     frames = math.floor(float(positive("duration_ms", duration_ms, "ms")) * eye.fps / 1000 + 1e-6)
     if frames < 2:
         raise ValueError(f"duration_ms is {duration_ms} at {eye.fps:g} fps; give time for 2 frames or more")
-    if eye.fps <= 2:
-        raise ValueError(f"fps is {eye.fps:g}; give an eye of more than 2 fps, to see what comes before a contact")
+    if eye.fps <= 3:
+        raise ValueError(f"fps is {eye.fps:g}; give an eye of more than 3 fps, to see what comes before a contact")
     return frames

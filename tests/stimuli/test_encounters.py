@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from lgmd2jax import Eye, stimuli
+from lgmd2jax._repeats import find_repeats
 from lgmd2jax.stimuli import _encounter, _scene
 
 EYE = Eye.from_field_of_view(36, 64, 70.0, 30.0, "pinhole")
@@ -53,7 +54,40 @@ def test_clips_are_in_8_bits_from_0_ms_on(clips):
 
 
 def test_hundreds_of_clips_compile_little(drawn):
-    assert drawn[1] <= 4  # before a plain or a textured ground, on its way in depth or across
+    """Before a plain or a textured ground, on its way in depth or across, in each of four lengths of film."""
+    assert drawn[1] <= 16
+
+
+def repeats(clip):
+    """Which frames repeat the one before; noise tells all others apart, whatever stands still."""
+    frames = np.asarray(clip.stimulus.frames)
+    return np.r_[False, (frames[1:] == frames[:-1]).all((1, 2))]
+
+
+def shot_fps(clip):
+    return clip.stimulus.fps * float(np.mean(~repeats(clip)))
+
+
+def test_half_of_the_clips_are_films_of_fewer_frames(clips):
+    rates = collections.Counter(round(shot_fps(clip), 6) for clip in clips)
+    assert rates.keys() == {20, 24, 25, 30}
+    assert rates[30] == pytest.approx(18, abs=9)  # three standard deviations
+
+
+def test_repeats_lie_where_a_conversion_puts_them(clips):
+    """Each frame of the file shows the film's latest one: a clock of 20 Hz, read by one of 30."""
+    for clip in clips:
+        ticks = np.arange(90) * round(shot_fps(clip)) // 30
+        assert np.array_equal(repeats(clip), np.diff(ticks, prepend=-1) == 0)
+        if clip.kind == "collision":
+            left = clip.time_to_contact_ms
+            assert np.allclose(left[0] - left, ticks * 1000 / shot_fps(clip))
+
+
+def test_what_drops_repeats_of_recorded_clips_drops_these(clips):
+    for clip in clips:
+        changes = np.r_[0, np.abs(np.diff(np.asarray(clip.stimulus.frames), axis=0)).mean((1, 2))]
+        assert find_repeats(changes)[repeats(clip)].all()
 
 
 def test_collisions_end_shortly_before_contact_with_a_dark_object_seen_large(of):
@@ -67,9 +101,10 @@ def test_time_to_contact_is_that_of_the_growing_angle(of):
     """The half angle's tangent by its rate of growth, from pairs of frames (Hoyle 1957; Lee 1976)."""
     for clip in of["collision"]:
         distance = 1 / np.tan(np.radians(np.asarray(clip.stimulus.courses["full_angle_deg"])) / 2)
-        closing = -np.diff(distance) / np.diff(np.asarray(clip.stimulus.time, float))
-        assert np.allclose(distance[1:] / closing, clip.time_to_contact_ms[1:], rtol=1e-6)
-        assert np.allclose(distance[:-1] / closing, clip.time_to_contact_ms[:-1], rtol=1e-6)
+        distance, left = distance[~repeats(clip)], clip.time_to_contact_ms[~repeats(clip)]
+        closing = -np.diff(distance) * shot_fps(clip) / 1000
+        assert np.allclose(distance[1:] / closing, left[1:], rtol=1e-6)
+        assert np.allclose(distance[:-1] / closing, left[:-1], rtol=1e-6)
 
 
 def test_time_to_contact_is_that_of_the_measured_area(clips):
@@ -81,8 +116,9 @@ def test_time_to_contact_is_that_of_the_measured_area(clips):
         whole = (angle > 8) & (angle < 16)
         halfway = clip.stimulus.parameters["background"] * (1 + clip.stimulus.parameters["contrast"] / 2)
         side = np.sqrt(np.sum(frames[whole] < float(halfway), axis=(1, 2)))
-        slope, offset = np.polyfit(np.asarray(clip.stimulus.time)[whole], 1 / side, 1)
-        assert -offset / slope == pytest.approx(clip.time_to_contact_ms[0], rel=0.05)
+        left = clip.time_to_contact_ms
+        slope, offset = np.polyfit((left[0] - left)[whole], 1 / side, 1)
+        assert -offset / slope == pytest.approx(left[0], rel=0.05)
 
 
 def test_what_is_no_collision_has_no_time_to_contact(clips):
@@ -136,9 +172,11 @@ def test_a_clip_is_the_same_whatever_the_count(clips):
 
 
 def test_half_are_collisions_where_the_kind_is_drawn(monkeypatch):
+    def blank(take):
+        return stimuli.luminance(take.eye, **take.window(take.frames - 1))
+
     monkeypatch.setattr(_encounter, "camera", lambda seen, *_, **__: seen)
-    blank = stimuli.luminance(EYE, start_ms=0, end_ms=2967)
-    monkeypatch.setattr(_encounter, "KINDS", dict.fromkeys(stimuli.ENCOUNTERS, lambda _: blank))
+    monkeypatch.setattr(_encounter, "KINDS", dict.fromkeys(stimuli.ENCOUNTERS, blank))
     kinds = collections.Counter(stimuli.encounter(EYE, jax.random.key(seed)).kind for seed in range(400))
     assert kinds["collision"] == pytest.approx(200, abs=40)
     assert all(kinds[kind] == pytest.approx(400 / 12, abs=20) for kind in stimuli.ENCOUNTERS if kind != "collision")
@@ -149,15 +187,16 @@ def test_frame_rates_and_durations_are_kept(fps):
     eye = Eye(rows=12, cols=20, degrees_per_pixel=5.0, fps=fps)
     clip = stimuli.encounter(eye, KEY, kind="collision", duration_ms=1000)
     assert clip.stimulus.frames.shape == (fps, 12, 20)
+    assert clip.stimulus.fps == fps
     assert 100 <= clip.time_to_contact_ms[-1] < 500
-    assert np.allclose(np.diff(clip.time_to_contact_ms), -1000 / fps)
+    assert np.allclose(np.diff(clip.time_to_contact_ms[~repeats(clip)]), -1000 / shot_fps(clip))
 
 
 BAD = {
     "kind": (lambda: stimuli.encounter(EYE, KEY, kind="colision"), "kind is 'colision'; choose 'collision' or"),
     "duration": (lambda: stimuli.encounter(EYE, KEY, duration_ms=0), "duration_ms is 0 ms; give a positive number"),
     "short": (lambda: stimuli.encounter(EYE, KEY, duration_ms=40), "duration_ms is 40 at 30 fps"),
-    "slow": (lambda: stimuli.encounter(Eye(9, 9, 5.0, 2.0), KEY), "fps is 2"),
+    "slow": (lambda: stimuli.encounter(Eye(9, 9, 5.0, 3.0), KEY), "fps is 3; give an eye of more than 3 fps"),
     "pixels": (lambda: stimuli.encounter(Eye(9, 9, None, 30.0), KEY), "known in pixels alone"),
     "count": (lambda: stimuli.encounters(EYE, KEY, 0), "count is 0; give a whole number"),
     "clips' duration": (lambda: stimuli.encounters(EYE, KEY, 2, duration_ms=-1), "duration_ms is -1"),
