@@ -71,7 +71,7 @@ def test_all_six_are_right_and_the_left_out_ones_are_told(clips, record_property
     record_property("table", found.summary())
     assert found.cost == 0
     assert found.margin > 0.05
-    assert found.right > 100
+    assert found.right / found.screened > 660 / 524_288  # the share that a first trial found
     verdicts = {it.clip: it for it in found.watch.verdicts()}
     assert all(it.right for it in verdicts.values())
     # The network itself, from the frames on, says the same.
