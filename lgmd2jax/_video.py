@@ -140,7 +140,7 @@ def open_clip(
         raise ValueError(f"{name} holds no frame that can be read")
     rows, cols = size = first[0].shape[:2]
     if fps is None and pictures.fps is None:
-        raise ValueError(f"{name} states no frame rate; give it: --fps 30")
+        raise ValueError(f"{name} states no frame rate; give it: fps = 30 (--fps 30)")
     rate = pictures.fps if fps is None else fps
     if rate is None or not (math.isfinite(rate) and rate > 0):
         raise ValueError(f"fps is {rate}; give a positive number of frames per second")

@@ -223,7 +223,7 @@ def refused(arguments, capsys):
     ("arguments", "message"),
     [
         (["missing.mp4"], "no such clip: missing.mp4"),
-        (["{folder}"], "states no frame rate; give it: --fps 30"),
+        (["{folder}"], "states no frame rate; give it: fps = 30 (--fps 30)"),
         (["{folder}", "--fps", "0"], "fps is 0"),
         (["{folder}", "--fps", "-3"], "fps is -3"),
         (["{folder}", "--fps", "fast"], "invalid float value: 'fast'"),

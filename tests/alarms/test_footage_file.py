@@ -116,5 +116,5 @@ def test_what_is_refused(place, text, message):
 
 def test_a_clip_of_unknown_frame_rate(place):
     write_folder(place / "frames", noise(12))
-    with pytest.raises(ValueError, match="frames states no frame rate"):
+    with pytest.raises(ValueError, match="frames states no frame rate; give it: fps = 30"):
         load(place, '[[clip]]\nfile = "frames"\n')
