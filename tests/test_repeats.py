@@ -7,18 +7,13 @@ import pytest
 
 from lgmd2jax._repeats import find_repeats
 from lgmd2jax._video import open_clip
-from tests.videos import noise, write_video
+from tests.videos import conversion, noise, write_video
 
 
 def repeats_of(path):
     repeats = open_clip(path).without_repeats().repeats
     assert repeats is not None
     return set(np.flatnonzero(repeats).tolist())
-
-
-def conversion(source, target, count):
-    """The source frame that is shown in each frame when `source` fps are converted to `target` fps."""
-    return np.arange(count) * source // target
 
 
 @pytest.mark.parametrize("source", [25, 24, 20, 15, 10])

@@ -163,14 +163,15 @@ def test_dropped_frames_are_missing_in_the_table_and_the_rule_is_named(folder, t
     assert len(iio.imread("o.mp4", plugin="pyav")) == 75
 
 
-def test_a_model_with_an_eye_sees_a_clip_as_wide_as_that_eye(folder, capsys):
+@pytest.mark.parametrize(("asked", "width"), [([], 15), (["--resize", "30"], 30)])
+def test_a_model_with_an_eye_sees_a_clip_as_wide_as_that_eye(folder, capsys, asked, width):
     model = lgmd.LGMD2(lgmd.preset("lgmd2", T_sp=0.65), eye=lgmd.Eye(11, 15, degrees_per_pixel=2.0, fps=30.0))
     lgmd.save(model, "model.json")
-    assert main(["respond", str(folder), "--fps", "30", "--model", "model.json"]) == 0
-    clip = open_clip(folder, fps=30.0, resize=15)
+    assert main(["respond", str(folder), "--fps", "30", "--model", "model.json", *asked]) == 0
+    clip = open_clip(folder, fps=30.0, resize=width)
     expected = [row.smp for _, row in responses(model, clip)]
     assert [float(row["smp"]) for row in table("loom.csv")] == pytest.approx(expected, abs=1e-8)
-    assert f"it sees {clip.shape[0]} x 15 pixels" in capsys.readouterr().out
+    assert f"it sees {clip.shape[0]} x {width} pixels" in capsys.readouterr().out
 
 
 def test_crop_resize_and_single_parameters_are_used(folder, capsys):

@@ -43,3 +43,8 @@ def damaged(path, share=0.6):
     whole = path.read_bytes()
     path.write_bytes(whole[: int(share * len(whole))])
     return path
+
+
+def conversion(source, target, count):
+    """The source frame that is shown in each frame when `source` fps are converted to `target` fps."""
+    return np.arange(count) * source // target

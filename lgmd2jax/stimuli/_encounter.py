@@ -133,6 +133,9 @@ def _frames(eye: Eye, duration_ms: float | int) -> int:
     frames = math.floor(float(positive("duration_ms", duration_ms, "ms")) * eye.fps / 1000 + 1e-6)
     if frames < 2:
         raise ValueError(f"duration_ms is {duration_ms} at {eye.fps:g} fps; give time for 2 frames or more")
-    if eye.fps <= 3:
-        raise ValueError(f"fps is {eye.fps:g}; give an eye of more than 3 fps, to see what comes before a contact")
+    slowest = 2 / min(_SHOT)  # two frames of the film
+    if eye.fps <= slowest:
+        raise ValueError(
+            f"fps is {eye.fps:g}; give an eye of more than {slowest:g} fps, to see what comes before a contact"
+        )
     return frames

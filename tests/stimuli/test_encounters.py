@@ -9,6 +9,7 @@ import pytest
 from lgmd2jax import Eye, stimuli
 from lgmd2jax._repeats import find_repeats
 from lgmd2jax.stimuli import _encounter, _scene
+from tests.videos import conversion
 
 EYE = Eye.from_field_of_view(36, 64, 70.0, 30.0, "pinhole")
 KEY = jax.random.key(3)
@@ -77,7 +78,7 @@ def test_half_of_the_clips_are_films_of_fewer_frames(clips):
 def test_repeats_lie_where_a_conversion_puts_them(clips):
     """Each frame of the file shows the film's latest one: a clock of 20 Hz, read by one of 30."""
     for clip in clips:
-        ticks = np.arange(90) * round(shot_fps(clip)) // 30
+        ticks = conversion(round(shot_fps(clip)), 30, 90)
         assert np.array_equal(repeats(clip), np.diff(ticks, prepend=-1) == 0)
         if clip.kind == "collision":
             left = clip.time_to_contact_ms
