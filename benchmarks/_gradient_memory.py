@@ -13,8 +13,8 @@ import jax.numpy as jnp
 
 from benchmarks._library import loss, parameters
 from benchmarks._task import LARGE
-from lgmd2jax._pixels import scan_pixels
-from lgmd2jax._sensitivity import potentials
+from lgmd2jax._network.pixels import scan_pixels
+from lgmd2jax._network.sensitivity import potentials
 
 RULES = {"exact": potentials, "naive": scan_pixels}
 

@@ -7,9 +7,9 @@ import jax.numpy as jnp
 
 import lgmd2jax as lgmd
 from benchmarks._task import FPS, PARAMETERS, SMALL
-from lgmd2jax._network import channels
-from lgmd2jax._pixels import scan_pixels
-from lgmd2jax._sensitivity import potentials
+from lgmd2jax._network.abstract import channels
+from lgmd2jax._network.pixels import scan_pixels
+from lgmd2jax._network.sensitivity import potentials
 
 
 def parameters() -> lgmd.Parameters:

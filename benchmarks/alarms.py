@@ -13,13 +13,13 @@ import jax
 import numpy as np
 
 import lgmd2jax as lgmd
-from lgmd2jax._xla import set_flags
+from lgmd2jax._compute.tasks import Stop, Work
+from lgmd2jax._compute.xla import set_flags
 from lgmd2jax.alarms import footage, load_recipe
 from lgmd2jax.alarms._choice import choose
 from lgmd2jax.alarms._problem import problem_of
 from lgmd2jax.alarms._search import look, seen
 from lgmd2jax.fitting._search import sobol
-from lgmd2jax.fitting._work import Stop, Work
 
 EYE = lgmd.Eye(60, 108, degrees_per_pixel=0.65, fps=30.0, projection="pinhole")
 CLIPS, FRAMES, CELLS = 10, 200, 1024

@@ -13,9 +13,9 @@ from functools import partial
 
 import jax
 
-from lgmd2jax import _xla
-from lgmd2jax._pixels import scan_pixels
-from lgmd2jax._recipe import load_recipe
+from lgmd2jax._compute import xla as _xla
+from lgmd2jax._network.pixels import scan_pixels
+from lgmd2jax._recipes.fit import load_recipe
 from lgmd2jax.fitting import _problem
 
 RULES = {"exact": _problem.potentials, "plain": partial(scan_pixels, record=None)}

@@ -20,8 +20,8 @@ from scipy.stats import qmc
 from tqdm import tqdm
 
 import lgmd2jax as lgmd
-from lgmd2jax._characterise._exam import Exam, exam_of, sums
-from lgmd2jax._characterise._verdicts import ROWS, verdicts
+from lgmd2jax._characterise.exam import Exam, exam_of, sums
+from lgmd2jax._characterise.verdicts import ROWS, verdicts
 
 EYE = lgmd.Eye(rows=48, cols=64, degrees_per_pixel=2.0, fps=100.0)
 # theta2 stays 1, since a common factor of theta, T_s and k changes nothing.

@@ -24,8 +24,8 @@ from benchmarks import _gradient_memory, _kernels, _library, _peers, _roofline
 from benchmarks._claims import Claim, claims
 from benchmarks._task import FPS, LARGE, ROBOT, SMALL, VALUES, Size, film
 from benchmarks._timing import Timing, time_together
-from lgmd2jax._files import replaced
-from lgmd2jax._xla import set_flags
+from lgmd2jax._compute.xla import set_flags
+from lgmd2jax._files.atomic import replaced
 
 FRAMES, BATCH, SWEEP = 60, 64, 20
 # The name for the fastest of several ways to do the same.

@@ -16,7 +16,7 @@ from pathlib import Path
 import nbformat
 from nbclient import NotebookClient
 
-from lgmd2jax._files import replaced
+from lgmd2jax._files.atomic import replaced
 
 FOLDER = Path(__file__).parent
 PAPER = ("reproduce_paper", "reproduce_recorded", "reproduce_robot")

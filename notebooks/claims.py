@@ -10,7 +10,7 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from lgmd2jax._files import replaced
+from lgmd2jax._files.atomic import replaced
 from notebooks.paper_claims import CLAIMS, Claim
 from notebooks.paper_claims.clips import ON_CLIPS, on_clips
 

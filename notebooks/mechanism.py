@@ -16,10 +16,10 @@ from scipy.stats import qmc
 
 import lgmd2jax as lgmd
 from benchmarks.properties import CELL, EYE
-from lgmd2jax._characterise._curves import curves_of
-from lgmd2jax._characterise._exam import exam_of, sums
-from lgmd2jax._characterise._measured import measured, result_of
-from lgmd2jax._characterise._verdicts import ROWS
+from lgmd2jax._characterise.curves import curves_of
+from lgmd2jax._characterise.exam import exam_of, sums
+from lgmd2jax._characterise.measured import measured, result_of
+from lgmd2jax._characterise.verdicts import ROWS
 from notebooks import plots
 
 jax.config.update("jax_enable_x64", True)

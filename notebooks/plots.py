@@ -14,9 +14,9 @@ from matplotlib.figure import Figure
 from PIL import Image as Picture
 
 from lgmd2jax import Characterisation, Condition, Fit, LoomingLaw, Stimulus
-from lgmd2jax._characterise._panels import OVER
-from lgmd2jax._figures import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, STYLE, VERMILION
-from lgmd2jax._figures_sweep import surface_figure
+from lgmd2jax._characterise.panels import OVER
+from lgmd2jax._figures.response import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, STYLE, VERMILION
+from lgmd2jax._figures.sweep import surface_figure
 from lgmd2jax.fitting._curve import variance_explained
 from notebooks.paper_claims import Seen
 

@@ -4,10 +4,10 @@ Trials (stimuli with their times) make up an exam; the pixels turn each into MP 
 and rows read their values from the curves. All from MP and F on is pure JAX and maps over models.
 """
 
-from lgmd2jax._characterise._characterise import (
+from lgmd2jax._characterise.characterise import (
     ablations as ablations,
     characterise as characterise,
     differences as differences,
     rasters as rasters,
 )
-from lgmd2jax._characterise._result import Characterisation as Characterisation, Finding as Finding
+from lgmd2jax._characterise.result import Characterisation as Characterisation, Finding as Finding

@@ -4,5 +4,5 @@
 keeps them on disk, and `_sweep` brings these together, here or on the workers of a Dask cluster (`_cluster`).
 """
 
-from lgmd2jax._sweep._responses import surfaces as surfaces
-from lgmd2jax._sweep._sweep import sweep as sweep
+from lgmd2jax._sweep.responses import surfaces as surfaces
+from lgmd2jax._sweep.sweep import sweep as sweep

@@ -8,8 +8,8 @@ import numpy as np
 from jaxtyping import Float, Float32, Int
 from platformdirs import user_cache_path
 
-from lgmd2jax._files import replaced
-from lgmd2jax._video import Clip
+from lgmd2jax._files.atomic import replaced
+from lgmd2jax._video.clip import Clip
 
 
 @dataclasses.dataclass(frozen=True)

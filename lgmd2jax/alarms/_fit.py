@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from jaxtyping import Array, Float
 
-from lgmd2jax._model import LGMD2
-from lgmd2jax._observation import Observation
-from lgmd2jax._thresholds import Hard
+from lgmd2jax._compute.tasks import Memory, Stop, Work
+from lgmd2jax._network.lgmd2 import LGMD2
+from lgmd2jax._network.thresholds import Hard
+from lgmd2jax._targets.observation import Observation
 from lgmd2jax.alarms._choice import Choice, choose
 from lgmd2jax.alarms._footage import Footage
 from lgmd2jax.alarms._problem import AlarmProblem, problem_of
@@ -19,11 +20,10 @@ from lgmd2jax.alarms._result import AlarmFit, Descended
 from lgmd2jax.alarms._search import look, seen
 from lgmd2jax.alarms._watch import watch
 from lgmd2jax.fitting import _descent
-from lgmd2jax.fitting._bounded import BoundedLevenbergMarquardt
 from lgmd2jax.fitting._fit import ATOL, RTOL, TEMPERATURES, check_counts
 from lgmd2jax.fitting._free import Free
 from lgmd2jax.fitting._search import sobol, starting_points, words_of
-from lgmd2jax.fitting._work import Memory, Stop, Work
+from lgmd2jax.fitting._solver.levenberg_marquardt import BoundedLevenbergMarquardt
 
 if TYPE_CHECKING:
     from distributed import Client

@@ -9,8 +9,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float
 
-from lgmd2jax._model import LGMD2
-from lgmd2jax._observation import Observation
+from lgmd2jax._network.lgmd2 import LGMD2
+from lgmd2jax._targets.observation import Observation
 from lgmd2jax.alarms._evidence import NEVER
 from lgmd2jax.alarms._footage import Footage
 from lgmd2jax.alarms._reel import Reel, Sums, reels_of

@@ -10,10 +10,10 @@ from typing import Any
 import jax
 import numpy as np
 
-from lgmd2jax._arguments import check_keys, section
-from lgmd2jax._catalogue import beside, read_named
-from lgmd2jax._model import LGMD2
-from lgmd2jax._recipe import free_of, model_of
+from lgmd2jax._files.catalogue import beside, read_named
+from lgmd2jax._network.lgmd2 import LGMD2
+from lgmd2jax._protocol.arguments import check_keys, section
+from lgmd2jax._recipes.fit import free_of, model_of
 from lgmd2jax.alarms._fit import fit
 from lgmd2jax.alarms._footage import Footage
 from lgmd2jax.alarms._footage_file import FootageFile, Rendered, load_footage, rendered

@@ -8,9 +8,9 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Real
 
-from lgmd2jax._batching import each
-from lgmd2jax._model import LGMD2
-from lgmd2jax._network import channels, potentials
+from lgmd2jax._compute.batching import each
+from lgmd2jax._network.abstract import channels, potentials
+from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax.alarms._evidence import evidence
 from lgmd2jax.alarms._footage import Footage
 

@@ -7,9 +7,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lgmd2jax._parameters import symbols
+from lgmd2jax._network.parameters import symbols
+from lgmd2jax._reports.section import Section, as_html, as_text
 from lgmd2jax.alarms._watch import Score, Share, Verdict, Watch
-from lgmd2jax.fitting._section import Section, as_html, as_text
 
 if TYPE_CHECKING:
     from lgmd2jax.alarms._result import AlarmFit

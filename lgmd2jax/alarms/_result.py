@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from lgmd2jax._model import LGMD2
+from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax.alarms._report import Held, text
 from lgmd2jax.alarms._watch import Watch
 from lgmd2jax.fitting._free import Free

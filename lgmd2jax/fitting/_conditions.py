@@ -4,8 +4,8 @@ import dataclasses
 from collections import Counter
 from collections.abc import Sequence
 
-from lgmd2jax._protocol import Condition
-from lgmd2jax._target import AnyTarget, Target
+from lgmd2jax._protocol.protocol import Condition
+from lgmd2jax._targets.target import AnyTarget, Target
 from lgmd2jax.stimuli import Stimulus
 
 # A condition of a protocol, or a stimulus with its target or targets.

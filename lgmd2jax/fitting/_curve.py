@@ -7,9 +7,9 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from lgmd2jax._network import Network
-from lgmd2jax._observation import Observation
-from lgmd2jax._target import Channel, Target
+from lgmd2jax._network.abstract import Network
+from lgmd2jax._targets.observation import Observation
+from lgmd2jax._targets.target import Channel, Target
 from lgmd2jax.stimuli import Stimulus
 
 Kind = Literal["soft", "hard"]

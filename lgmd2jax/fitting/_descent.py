@@ -12,9 +12,9 @@ import numpy as np
 import optimistix as optx
 from jaxtyping import Array, Float
 
-from lgmd2jax.fitting._bounded import BoundedLevenbergMarquardt
 from lgmd2jax.fitting._problem import Problem
 from lgmd2jax.fitting._search import search_cell
+from lgmd2jax.fitting._solver.levenberg_marquardt import BoundedLevenbergMarquardt
 from lgmd2jax.fitting._space import Space
 
 Solver = optx.AbstractLeastSquaresSolver | optx.AbstractMinimiser

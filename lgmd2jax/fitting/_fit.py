@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from jaxtyping import Array
 
-from lgmd2jax._network import Network
-from lgmd2jax._observation import Observation, observation_symbols
-from lgmd2jax._parameters import nearest
-from lgmd2jax._target import Target
-from lgmd2jax._thresholds import Soft, StraightThrough
+from lgmd2jax._compute.tasks import Memory, Stop, Work
+from lgmd2jax._network.abstract import Network
+from lgmd2jax._network.parameters import nearest
+from lgmd2jax._network.thresholds import Soft, StraightThrough
+from lgmd2jax._targets.observation import Observation, observation_symbols
+from lgmd2jax._targets.target import Target
 from lgmd2jax.fitting import _descent
-from lgmd2jax.fitting._bounded import BoundedLevenbergMarquardt
 from lgmd2jax.fitting._conditions import Given, rendered
 from lgmd2jax.fitting._descent import ENDED, STOPPED, Run, Solver
 from lgmd2jax.fitting._free import Free
@@ -24,7 +24,7 @@ from lgmd2jax.fitting._problem import Problem, problem_of
 from lgmd2jax.fitting._result import Fit
 from lgmd2jax.fitting._robust import LOSSES, Loss
 from lgmd2jax.fitting._search import search_cell, sobol, starting_points, words_of
-from lgmd2jax.fitting._work import Memory, Stop, Work
+from lgmd2jax.fitting._solver.levenberg_marquardt import BoundedLevenbergMarquardt
 from lgmd2jax.stimuli import Stimulus
 
 if TYPE_CHECKING:

@@ -9,15 +9,15 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from lgmd2jax._target import Target
-from lgmd2jax._thresholds import Hard
+from lgmd2jax._network.thresholds import Hard
+from lgmd2jax._targets.target import Target
 from lgmd2jax.fitting._curve import Curve, curve_of
 from lgmd2jax.fitting._descent import Run
-from lgmd2jax.fitting._linearity import curved
 from lgmd2jax.fitting._problem import Problem, weighed
 from lgmd2jax.fitting._result import Fit
-from lgmd2jax.fitting._sensitivity import Sensitivity, sensitivity
-from lgmd2jax.fitting._uncertainty import Uncertainty, prediction_band, uncertainty
+from lgmd2jax.fitting._uncertainty.covariance import Uncertainty, prediction_band, uncertainty
+from lgmd2jax.fitting._uncertainty.jacobian import Sensitivity, sensitivity
+from lgmd2jax.fitting._uncertainty.linearity import curved
 from lgmd2jax.stimuli import Stimulus
 
 Pairs = Sequence[tuple[Stimulus, Sequence[Target]]]

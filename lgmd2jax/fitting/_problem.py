@@ -11,10 +11,10 @@ import numpy as np
 from jax.tree_util import Partial
 from jaxtyping import Array, Bool, Float
 
-from lgmd2jax._batching import each
-from lgmd2jax._network import Network, channels, potentials
-from lgmd2jax._observation import Observation
-from lgmd2jax._target import Target
+from lgmd2jax._compute.batching import each
+from lgmd2jax._network.abstract import Network, channels, potentials
+from lgmd2jax._targets.observation import Observation
+from lgmd2jax._targets.target import Target
 from lgmd2jax.fitting._free import Free
 from lgmd2jax.fitting._robust import Loss, robust
 from lgmd2jax.fitting._space import Space

@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lgmd2jax._observation import observation_symbols
-from lgmd2jax._parameters import symbols
-from lgmd2jax._target import Channel
+from lgmd2jax._network.parameters import symbols
+from lgmd2jax._reports.digits import measured, plain, rounded
+from lgmd2jax._reports.section import Section, as_html, as_text
+from lgmd2jax._targets.observation import observation_symbols
+from lgmd2jax._targets.target import Channel
 from lgmd2jax.fitting._curve import DISAGREEMENT
 from lgmd2jax.fitting._descent import ENDED
-from lgmd2jax.fitting._digits import measured, plain, rounded
 from lgmd2jax.fitting._free import Freedom
 from lgmd2jax.fitting._law_fit import Beside
-from lgmd2jax.fitting._profile import Profile
-from lgmd2jax.fitting._section import Section, as_html, as_text
-from lgmd2jax.fitting._uncertainty import Uncertainty
+from lgmd2jax.fitting._uncertainty.covariance import Uncertainty
+from lgmd2jax.fitting._uncertainty.profile import Profile
 
 if TYPE_CHECKING:
     from lgmd2jax.fitting._result import Fit

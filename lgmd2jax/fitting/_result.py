@@ -9,23 +9,23 @@ import numpy as np
 import scipy
 from jaxtyping import Array, Float
 
-from lgmd2jax._network import Network
-from lgmd2jax._observation import Observation, observation_symbols
-from lgmd2jax._parameters import ParameterSet
-from lgmd2jax._protocol import Condition
-from lgmd2jax._target import Channel, Target
-from lgmd2jax._thresholds import Hard
+from lgmd2jax._network.abstract import Network
+from lgmd2jax._network.parameters import ParameterSet
+from lgmd2jax._network.thresholds import Hard
+from lgmd2jax._protocol.protocol import Condition
+from lgmd2jax._targets.observation import Observation, observation_symbols
+from lgmd2jax._targets.target import Channel, Target
 from lgmd2jax.fitting._curve import DISAGREEMENT, Curve, observed
 from lgmd2jax.fitting._descent import ENDED, Run
 from lgmd2jax.fitting._free import Free
-from lgmd2jax.fitting._next_stimulus import Candidate, ranked
-from lgmd2jax.fitting._posterior import Posterior, posterior
 from lgmd2jax.fitting._problem import Problem, problem_of, weighed
-from lgmd2jax.fitting._profile import Profile, profile
 from lgmd2jax.fitting._report import Extra, html, text
-from lgmd2jax.fitting._sensitivity import sensitivity
 from lgmd2jax.fitting._space import softened
-from lgmd2jax.fitting._uncertainty import Uncertainty, sentences
+from lgmd2jax.fitting._uncertainty.covariance import Uncertainty, sentences
+from lgmd2jax.fitting._uncertainty.jacobian import sensitivity
+from lgmd2jax.fitting._uncertainty.next_stimulus import Candidate, ranked
+from lgmd2jax.fitting._uncertainty.posterior import Posterior, posterior
+from lgmd2jax.fitting._uncertainty.profile import Profile, profile
 from lgmd2jax.stimuli import Stimulus
 
 _SAME_LOSS = 0.01  # relative; runs so close to the best are said to have found it

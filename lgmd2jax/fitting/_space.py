@@ -8,9 +8,9 @@ import equinox as eqx
 import numpy as np
 from jaxtyping import Array, Float
 
-from lgmd2jax._network import AnyNetwork
-from lgmd2jax._observation import Observation
-from lgmd2jax._thresholds import Hard, Soft, Thresholds
+from lgmd2jax._network.abstract import AnyNetwork
+from lgmd2jax._network.thresholds import Hard, Soft, Thresholds
+from lgmd2jax._targets.observation import Observation
 from lgmd2jax.fitting._free import Free
 
 

@@ -5,7 +5,7 @@ from typing import Protocol
 
 import numpy as np
 
-from lgmd2jax._target import Channel, Target
+from lgmd2jax._targets.target import Channel, Target
 from lgmd2jax.fitting._curve import variance_explained
 from lgmd2jax.stimuli import Stimulus
 

@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from lgmd2jax._parameters import is_concrete
+from lgmd2jax._network.parameters import is_concrete
 from lgmd2jax.stimuli._arguments import positive
 
 _GRAVITY_CM = 981.0  # cm/s2

@@ -14,7 +14,7 @@ from jaxtyping import Array, Float
 from skimage.color import rgb2gray
 from skimage.util import img_as_float
 
-from lgmd2jax._parameters import is_concrete, nearest
+from lgmd2jax._network.parameters import is_concrete, nearest
 
 # What scikit-image's wheel carries; the rest of its gallery would be downloaded.
 PHOTOGRAPHS = {

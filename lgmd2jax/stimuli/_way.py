@@ -5,7 +5,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, ScalarLike
 
 from lgmd2jax._eye import Eye
-from lgmd2jax._parameters import is_concrete
+from lgmd2jax._network.parameters import is_concrete
 from lgmd2jax.stimuli._arguments import number, positive, together
 from lgmd2jax.stimuli._scene import Times
 

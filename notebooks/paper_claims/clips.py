@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 import lgmd2jax as lgmd
-from lgmd2jax._video import open_clip
+from lgmd2jax._video.clip import open_clip
 from lgmd2jax.alarms._decoded import decoded
 from notebooks.paper_claims._claim import Finding, listed
 from notebooks.paper_claims._shown import REST

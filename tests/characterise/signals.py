@@ -9,10 +9,10 @@ import jax.numpy as jnp
 import numpy as np
 
 import lgmd2jax as lgmd
-from lgmd2jax._characterise import _trials as trials
-from lgmd2jax._characterise._curves import Curves, normalised
-from lgmd2jax._characterise._exam import Exam
-from lgmd2jax._characterise._measured import Measured, measured
+from lgmd2jax._characterise import trials
+from lgmd2jax._characterise.curves import Curves, normalised
+from lgmd2jax._characterise.exam import Exam
+from lgmd2jax._characterise.measured import Measured, measured
 
 EYE = lgmd.Eye(rows=48, cols=64, degrees_per_pixel=2.0, fps=100.0)
 EXAM = Exam(EYE)

@@ -13,13 +13,13 @@ import pytest
 from matplotlib.image import imread
 
 import lgmd2jax as lgmd
-from lgmd2jax._characterise import _trials as trials
-from lgmd2jax._characterise._characterise import _neuron, differences
-from lgmd2jax._characterise._measured import result_of, unjudged
-from lgmd2jax._characterise._result import Characterisation
-from lgmd2jax._characterise._selectivity import UNITS, intervals, selectivity
-from lgmd2jax._characterise._table import number, table
-from lgmd2jax._figures_characterise import characterisation_figure
+from lgmd2jax._characterise import trials
+from lgmd2jax._characterise.characterise import _neuron, differences
+from lgmd2jax._characterise.measured import result_of, unjudged
+from lgmd2jax._characterise.result import Characterisation
+from lgmd2jax._characterise.selectivity import UNITS, intervals, selectivity
+from lgmd2jax._characterise.table import number, table
+from lgmd2jax._figures.characterise import characterisation_figure
 from tests.characterise.signals import EXAM, EYE, curves, eta, ideal, onset, seen
 from tests.fitting.fits import made
 

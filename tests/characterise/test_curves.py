@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import lgmd2jax as lgmd
-from lgmd2jax._characterise import _trials as trials
-from lgmd2jax._characterise._curves import (
+from lgmd2jax._characterise import trials
+from lgmd2jax._characterise.curves import (
     Stack,
     curves_of,
     duration,
@@ -18,8 +18,8 @@ from lgmd2jax._characterise._curves import (
     rise_and_fall,
     second_rise,
 )
-from lgmd2jax._characterise._exam import Exam
-from lgmd2jax._characterise._rows_looming import LOOMS, law_of_peaks, peak_leads
+from lgmd2jax._characterise.exam import Exam
+from lgmd2jax._characterise.rows_looming import LOOMS, law_of_peaks, peak_leads
 from lgmd2jax._peaks import line_through
 from tests.characterise.signals import EYE, curves, eta
 

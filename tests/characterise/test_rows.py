@@ -5,10 +5,10 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from lgmd2jax._characterise import _trials as trials
-from lgmd2jax._characterise._curves import normalised
-from lgmd2jax._characterise._trials import textured
-from lgmd2jax._characterise._verdicts import ROWS, judged
+from lgmd2jax._characterise import trials
+from lgmd2jax._characterise.curves import normalised
+from lgmd2jax._characterise.trials import textured
+from lgmd2jax._characterise.verdicts import ROWS, judged
 from tests.characterise.signals import (
     EXAM,
     added,

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import lgmd2jax as lgmd
-from lgmd2jax._characterise import _trials as trials
-from lgmd2jax._characterise._exam import Exam
+from lgmd2jax._characterise import trials
+from lgmd2jax._characterise.exam import Exam
 from tests.characterise.signals import EXAM
 
 SMALL = lgmd.Eye(rows=12, cols=16, degrees_per_pixel=8.0, fps=50.0)

@@ -10,7 +10,7 @@ import optimistix as optx
 import pytest
 from scipy import optimize
 
-from lgmd2jax.fitting._bounded import BoundedLevenbergMarquardt
+from lgmd2jax.fitting._solver.levenberg_marquardt import BoundedLevenbergMarquardt
 
 SCIPY: Any = optimize.least_squares
 TIME = np.linspace(0, 4, 60)

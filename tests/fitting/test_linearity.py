@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import lgmd2jax as lgmd
-from lgmd2jax.fitting._linearity import curved
-from lgmd2jax.fitting._uncertainty import uncertainty
+from lgmd2jax.fitting._uncertainty.covariance import uncertainty
+from lgmd2jax.fitting._uncertainty.linearity import curved
 
 FREE = lgmd.Free(theta2=None, tau1=lgmd.Linear(), w_bias=None)
 MATRIX = np.random.default_rng(0).normal(size=(60, 3))

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from lgmd2jax.fitting._next_stimulus import ranked
-from lgmd2jax.fitting._uncertainty import uncertainty
+from lgmd2jax.fitting._uncertainty.covariance import uncertainty
+from lgmd2jax.fitting._uncertainty.next_stimulus import ranked
 
 NAMES = ("tau1", "theta2", "k")
 

@@ -5,8 +5,8 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from lgmd2jax._posterior_file import write_posterior
-from lgmd2jax.fitting._posterior import posterior
+from lgmd2jax._results.posterior_nc import write_posterior
+from lgmd2jax.fitting._uncertainty.posterior import posterior
 
 pytest.importorskip("blackjax")
 pytestmark = pytest.mark.slow

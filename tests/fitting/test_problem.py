@@ -8,7 +8,7 @@ import lgmd2jax as lgmd
 from lgmd2jax.fitting import Free, Tie
 from lgmd2jax.fitting._problem import problem_of
 from lgmd2jax.fitting._search import search_cell, sobol
-from lgmd2jax.fitting._sensitivity import sensitivity
+from lgmd2jax.fitting._uncertainty.jacobian import sensitivity
 
 SMALL = lgmd.Eye(rows=12, cols=16, degrees_per_pixel=8.0, fps=30.0)
 FAST = lgmd.Eye(rows=12, cols=16, degrees_per_pixel=8.0, fps=60.0)

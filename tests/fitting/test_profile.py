@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from lgmd2jax.fitting._profile import profile
+from lgmd2jax.fitting._uncertainty.profile import profile
 
 TIME = np.linspace(0, 2, 12)
 NOISE = 0.15

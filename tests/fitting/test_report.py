@@ -8,11 +8,11 @@ import pytest
 from hypothesis import given, strategies as st
 
 import lgmd2jax as lgmd
+from lgmd2jax._reports.digits import measured, rounded
+from lgmd2jax._reports.section import WIDTH, Section, as_html, as_text
 from lgmd2jax.fitting import Free, Linear, Tie
-from lgmd2jax.fitting._digits import measured, rounded
-from lgmd2jax.fitting._profile import Profile
 from lgmd2jax.fitting._report import Extra, html, text
-from lgmd2jax.fitting._section import WIDTH, Section, as_html, as_text
+from lgmd2jax.fitting._uncertainty.profile import Profile
 from tests.fitting.fits import curve, made, run
 
 THREE = Free(theta2=None, tau1=None, T_sp=None)

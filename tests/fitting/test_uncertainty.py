@@ -9,7 +9,7 @@ import lmfit
 import numpy as np
 import pytest
 
-from lgmd2jax.fitting._uncertainty import prediction_band, sentences, uncertainty
+from lgmd2jax.fitting._uncertainty.covariance import prediction_band, sentences, uncertainty
 
 TIME = np.linspace(0, 4, 60)
 NAMES = ("a", "b", "c")

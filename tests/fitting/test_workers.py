@@ -8,8 +8,8 @@ import pytest
 from distributed import Client, LocalCluster
 
 import lgmd2jax as lgmd
+from lgmd2jax._compute.tasks import Work
 from lgmd2jax.alarms import Rendered, rendered
-from lgmd2jax.fitting._work import Work
 from tests.alarms.test_fit import EYE, FREE, SETTINGS, START, labelled
 
 

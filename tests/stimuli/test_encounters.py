@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from lgmd2jax import Eye, stimuli
-from lgmd2jax._repeats import find_repeats
+from lgmd2jax._video.repeats import find_repeats
 from lgmd2jax.stimuli import _encounter, _scene
 from tests.videos import conversion
 

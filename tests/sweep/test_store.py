@@ -13,7 +13,7 @@ import xarray
 import zarr
 
 import lgmd2jax as lgmd
-from lgmd2jax._sweep import _store
+from lgmd2jax._sweep import store as _store
 
 AXES: dict[str, Any] = {
     "contrast": [-0.9, -0.5, -0.1],
@@ -55,7 +55,7 @@ def test_names_of_models_are_stored(eye, tmp_path):
 
 def test_what_is_finished_is_not_computed_again(eye, tmp_path, monkeypatch):
     first = lgmd.sweep(lgmd.LGMD2(), lgmd.stimuli.looming, eye, **AXES, store=tmp_path / "it.zarr").load()
-    monkeypatch.setattr("lgmd2jax._sweep._blocks.Plan.compute", None)
+    monkeypatch.setattr("lgmd2jax._sweep.blocks.Plan.compute", None)
     again = lgmd.sweep(lgmd.LGMD2(), lgmd.stimuli.looming, eye, **AXES, store=tmp_path / "it.zarr")
     assert again.identical(first)
 

@@ -1,0 +1,94 @@
+"""All trials of an eye, in groups of equal length, and what the pixels of a model make of them."""
+
+import dataclasses
+import functools
+from collections.abc import Iterator
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+from tqdm import tqdm
+
+from lgmd2jax._characterise.trials import Trial, all_trials
+from lgmd2jax._eye import Eye
+from lgmd2jax._network.abstract import Network, potentials
+from lgmd2jax._network.frame_rate import at_frame_rate
+
+# MP and F of each group of trials: all that the cell sees.
+Sums = tuple[tuple[Float[Array, "_trial _time"], Float[Array, "_trial _time"]], ...]
+
+
+@dataclasses.dataclass(frozen=True)
+class Exam:
+    """The stimuli for an eye, all or those that are named. Equal exams share what is compiled.
+
+    **Arguments:** `shift`: by which objects stand aside, in pixels, to the right and up.
+    """
+
+    eye: Eye
+    shift: float = 0.0
+    only: tuple[str, ...] | None = None
+
+    @functools.cached_property
+    def groups(self) -> tuple[tuple[Trial, ...], ...]:
+        """Trials of equal frame rate and number of frames."""
+        groups = {}
+        for trial in all_trials(self.eye, self.shift):
+            if self.only is None or trial.name in self.only:
+                groups.setdefault((trial.fps, trial.count), []).append(trial)
+        return tuple(tuple(trials) for trials in groups.values())
+
+    @functools.cached_property
+    def places(self) -> dict[str, tuple[int, int]]:
+        """Group and place in it of each trial by name."""
+        return {trial.name: (g, i) for g, group in enumerate(self.groups) for i, trial in enumerate(group)}
+
+    def trial(self, name: str) -> Trial:
+        """A trial by its name."""
+        group, place = self.places[name]
+        return self.groups[group][place]
+
+    @functools.cached_property
+    def _frames(self) -> dict[str, Float[np.ndarray, "time row col"]]:
+        return {}
+
+    def frames(self, trial: Trial) -> Float[np.ndarray, "time row col"]:
+        """What is seen in a trial, rendered once."""
+        if trial.name not in self._frames:
+            self._frames[trial.name] = trial.frames(self.eye)
+        return self._frames[trial.name]
+
+
+@functools.lru_cache(maxsize=1)
+def exam_of(eye: Eye, shift: float = 0.0) -> Exam:
+    """The whole exam; the last one is kept with its frames, some 300 MB at 48 x 64, for the next model."""
+    return Exam(eye, shift)
+
+
+def sums(exam: Exam, model: Network, progress: bool = False) -> Sums:
+    """MP(t) and F(t) of every trial: the pixel stage."""
+    trials = [trial for group in exam.groups for trial in group]
+    results = _each(exam, model, tqdm(trials, unit="stimulus", leave=False, disable=None if progress else True))
+    stacked = []
+    for group in exam.groups:
+        mp, f = zip(*(next(results) for _ in group), strict=True)
+        stacked.append((jnp.stack(mp), jnp.stack(f)))
+    return tuple(stacked)
+
+
+def _each(exam: Exam, model: Network, trials: tqdm) -> Iterator[tuple[Array, Array]]:
+    for trial in trials:
+        trials.set_description(trial.name)
+        frames = jnp.asarray(exam.frames(trial))
+        yield _potentials(at_rate(model, exam, trial.fps), frames, jnp.asarray(1000 / trial.fps, dtype=float))
+
+
+def at_rate(model: Network, exam: Exam, fps: float) -> Network:
+    """The model for trials of a frame rate, the exam's or the finer one."""
+    return model if fps == exam.eye.fps else at_frame_rate(dataclasses.replace(model, eye=exam.eye), fps)
+
+
+@eqx.filter_jit
+def _potentials(model: Network, frames, interval) -> tuple[Array, Array]:
+    return potentials(model, frames, interval)[:2]

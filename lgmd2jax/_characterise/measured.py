@@ -1,0 +1,78 @@
+"""From the curves of a model to what is said of it."""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import jax
+import numpy as np
+from jaxtyping import Array, Bool, Float
+
+from lgmd2jax._characterise.curves import Curves
+from lgmd2jax._characterise.exam import Exam
+from lgmd2jax._characterise.panels import OVER, panels
+from lgmd2jax._characterise.result import Characterisation, Finding, JudgedAs
+from lgmd2jax._characterise.selectivity import UNITS, Estimate, selectivity
+from lgmd2jax._characterise.verdicts import ROWS, Values, judged
+from lgmd2jax._eye import Eye
+
+_FAST_ENOUGH = 100.0  # frames per second, for edges not to jump
+_TIMED = (1, 2, 3, 4, 5, 22)
+_CROSSING = (12, 13, 15)  # rows of objects that move from -40 to 40 degrees
+_WAY = 80.0  # degrees
+
+
+class Measured(NamedTuple):
+    """All that is read from curves, in one compiled function."""
+
+    values: Values
+    passed: Bool[Array, " row"]
+    panels: Mapping[str, Float[Array | np.ndarray, " _place"]]
+    selectivity: dict[str, Float[Array, ""]]
+    r: tuple[Float[Array, "_trial _time"], ...]
+    references: dict[bool, Float[Array, ""]]
+
+
+def measured(curves: Curves) -> Measured:
+    """Values, verdicts, panels and summary."""
+    return Measured(*judged(curves), panels(curves), selectivity(curves), curves.adapted, curves.references)
+
+
+def result_of(exam: Exam, neuron: JudgedAs, seen: Measured) -> Characterisation:
+    """The result for the user; rows that the eye undersamples or that are not meant for the neuron are not judged."""
+    seen, remarks = jax.device_get(seen), unjudged(exam.eye, neuron)
+    findings = [
+        Finding(
+            row,
+            tuple(float(value) for value in values),
+            None if row.number in remarks else bool(held),
+            remarks.get(row.number, ""),
+        )
+        for row, values, held in zip(ROWS, seen.values, seen.passed, strict=True)
+    ]
+    curves = {
+        trial.name: (trial.time, np.asarray(curve))
+        for group, some in zip(exam.groups, seen.r, strict=True)
+        for trial, curve in zip(group, some, strict=True)
+    }
+    return Characterisation(
+        eye=exam.eye,
+        neuron=neuron,
+        reference=float(seen.references[False]),
+        reference_textured=float(seen.references[True]),
+        rows=tuple(findings),
+        selectivity={name: Estimate(float(seen.selectivity[name])) for name in UNITS},
+        panels={name: np.asarray(seen.panels[name]) for name in OVER},
+        curves=curves,
+    )
+
+
+def unjudged(eye: Eye, neuron: JudgedAs) -> dict[int, str]:
+    """Which rows are not judged, and why, by number."""
+    remarks = {}
+    if neuron == "LGMD1":
+        remarks |= {row.number: "not meant" for row in ROWS if row.neuron == "LGMD2"}
+    if eye.fps < _FAST_ENOUGH:
+        remarks |= dict.fromkeys(_TIMED, "undersampled")
+    if eye.field_of_view[1] < _WAY:
+        remarks |= dict.fromkeys(_CROSSING, "beyond field")
+    return remarks

@@ -1,0 +1,107 @@
+"""Tasks that do not depend on each other, on all cores or on a cluster, with a memory, a bar, and an ear for Ctrl-C."""
+
+import contextlib
+import os
+import threading
+from collections.abc import Callable, Iterable, Iterator, MutableMapping
+from concurrent.futures import Future, ThreadPoolExecutor, as_completed
+from typing import TYPE_CHECKING, Any
+
+import jax
+from tqdm import tqdm
+
+from lgmd2jax._compute.cluster import checked_client, keep_to_own_cores, unpacked
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+Memory = MutableMapping[str, Any]  # of finished tasks, as plain data
+Result = dict[str, Any]
+Stop = threading.Event | None  # set when a task is to come to its end; a worker of a cluster is told otherwise
+Task = Callable[[int, Stop], Result]
+
+
+class Work:
+    """Runs tasks in threads (what XLA computes does not hold Python's lock), or on the workers of a Dask cluster.
+
+    After Ctrl-C `stop` is set, tasks that have not begun are dropped, and what is done is returned.
+    """
+
+    def __init__(self, memory: Memory, progress: bool, client: "Client | None" = None):
+        self.memory, self.stop, self.best = memory, threading.Event(), float("inf")
+        self.client = None if client is None else checked_client(client)
+        self._bar = tqdm(disable=not progress, unit="start", leave=False)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *exception):
+        self._bar.close()
+
+    def do(self, kind: str, task: Task, numbers: Iterable[int], first: Callable[[], Any] = tuple) -> dict[int, Result]:
+        """The results of the tasks by number, in the order of `numbers`. Those in the memory are not done again.
+
+        **Arguments:** `task` returns plain data with a `loss`; for a cluster it is to be pickled. `first` compiles: in
+        threads it is called once, alone, where something is left to be done.
+        """
+        numbers = list(numbers)
+        done = {i: self.memory[f"{kind} {i}"] for i in numbers if f"{kind} {i}" in self.memory}
+        self._bar.reset(total=len(numbers))
+        self._bar.set_description(kind)
+        self._bar.update(len(done))
+
+        def keep(number: int, result: Result) -> None:
+            done[number] = result
+            if not self.stop.is_set():  # else it may have been cut short
+                self.memory[f"{kind} {number}"] = result
+            if result["loss"] < self.best:
+                self.best = result["loss"]
+                self._bar.set_postfix_str(f"best loss {self.best:.4g} of start {number}")
+            self._bar.update()
+
+        left = [] if self.stop.is_set() else [i for i in numbers if i not in done]
+        futures: dict[Future, int] = {}
+        with self._pool(task) as submit:
+            try:
+                if left and self.client is None:
+                    first()
+                futures = {submit(number): number for number in left}
+                for future in as_completed(futures):
+                    keep(futures[future], future.result())
+            except KeyboardInterrupt:
+                self.stop.set()
+                for future in futures:
+                    future.cancel()
+        for future, number in futures.items():
+            if number not in done and future.done() and not future.cancelled():
+                keep(number, future.result())
+        return {i: done[i] for i in numbers if i in done}
+
+    @contextlib.contextmanager
+    def _pool(self, task: Task) -> Iterator[Callable[[int], Future]]:
+        """What runs the task of a number; at the end of the block none is running any more."""
+        wide = bool(jax.config.read("jax_enable_x64"))  # a context of the calling thread, perhaps
+        if self.client is None:
+            pool = ThreadPoolExecutor(os.cpu_count())
+            try:
+                yield lambda number: pool.submit(_here, task, number, wide, self.stop)
+            finally:
+                pool.shutdown(cancel_futures=True)
+            return
+        from distributed.protocol.pickle import dumps
+
+        # A key of its own: under one by content an earlier task's data, being released, would go with this one's.
+        packed = self.client.scatter(dumps(task), broadcast=True, hash=False)
+        with self.client.get_executor(pure=False) as pool:
+            yield lambda number: pool.submit(_there, packed, number, wide)
+
+
+def _here(task: Task, number: int, wide: bool, stop: Stop) -> Result:
+    with jax.enable_x64(wide):
+        return task(number, stop)
+
+
+def _there(packed: bytes, number: int, wide: bool) -> Result:
+    keep_to_own_cores()
+    with jax.enable_x64(wide):
+        return unpacked(packed)(number, None)

@@ -1,0 +1,1 @@
+"""The hand-over file model.json, and models by name."""

@@ -1,0 +1,69 @@
+"""How a command is told its model: by file, by shipped name or by preset, with single parameters set."""
+
+import argparse
+from collections.abc import Iterable
+from pathlib import Path
+
+import equinox as eqx
+
+from lgmd2jax._files.catalogue import locate
+from lgmd2jax._handover.model_file import load
+from lgmd2jax._network.abstract import AnyNetwork, Network
+from lgmd2jax._network.lgmd2 import LGMD2
+from lgmd2jax._network.parameters import PRESETS, nearest, preset, symbols
+from lgmd2jax._network.yue_rind import YueRindLGMD1
+
+_PRESET, _YUE_RIND = "preset:", "yue_rind"
+
+
+def add_model(parser: argparse.ArgumentParser) -> None:
+    """The arguments --model and --set."""
+    parser.add_argument(
+        "--model",
+        default="preset:lgmd2",
+        help="a hand-over file model.json, the name of a shipped fit, or preset:NAME (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--set", action="append", default=[], metavar="NAME=VALUE", help="set one parameter; may be repeated"
+    )
+
+
+def model_named(name: str) -> Network:
+    """The model of a path, of a shipped fit's bare name, or of `preset:NAME`; `preset:yue_rind` is the LGMD1.
+
+    **Raises:** `ValueError` for a preset or a file that is none, `FileNotFoundError` for a file that is not there.
+    """
+    path = model_file(name)
+    if path is not None:
+        return load(path)
+    name = name.removeprefix(_PRESET)
+    if name not in (known := (*PRESETS, _YUE_RIND)):
+        raise ValueError(f"preset is {name!r}; choose {nearest(name, known)}")
+    return YueRindLGMD1() if name == _YUE_RIND else LGMD2(preset(name))
+
+
+def model_file(name: str) -> Path | None:
+    """The hand-over file that is meant, None for a preset.
+
+    **Raises:** `FileNotFoundError` for a file that is not there.
+    """
+    return None if name.startswith(_PRESET) else locate(name, "fits", "/model.json")
+
+
+def with_parameters(model: AnyNetwork, settings: Iterable[str]) -> AnyNetwork:
+    """The model with single parameters set, each written as `NAME=VALUE`.
+
+    **Raises:** `ValueError` for what is not written so, for unknown names, and for values out of their domain.
+    """
+    known = symbols(type(model.parameters))
+    for setting in settings:
+        name, _, text = setting.partition("=")
+        if name not in known:
+            raise ValueError(f"parameter is {name!r}; choose {nearest(name, known)}")
+        try:
+            value = float(text)
+        except ValueError:
+            raise ValueError(f"{setting!r} gives no number; write {name}=VALUE") from None
+        parameters = {each: getattr(model.parameters, each) for each in known} | {name: value}
+        model = eqx.tree_at(lambda model: model.parameters, model, type(model.parameters)(**parameters))
+    return model

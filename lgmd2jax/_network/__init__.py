@@ -1,0 +1,1 @@
+"""The network: retina, medulla, lobula, and what puts them together."""

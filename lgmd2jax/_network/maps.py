@@ -1,0 +1,29 @@
+"""What lies beyond the border: the edge of a map, repeated by one pixel all around (the convolutions of eqs 5, 6, 10).
+
+What a pixel remembers depends on that pixel alone. So an edge that is repeated around P stays repeated around all that
+follows from P, and whoever wants neighbours finds them by slices.
+"""
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from lgmd2jax._network.retina import Map
+
+Bordered = Float[Array, "row_and_border col_and_border"]
+
+
+def bordered(x: Map, onto: Bordered | None = None) -> Bordered:
+    """The map with its edge repeated around it.
+
+    **Arguments:** `onto`: a map of that size which is no longer needed. In a scan it is written over where it lies,
+    where a pad on a CPU would copy the map twice.
+    """
+    if onto is None:
+        return jnp.pad(x, 1, mode="edge")
+    onto = onto.at[1:-1, 1:-1].set(x).at[1:-1, 0].set(x[:, 0]).at[1:-1, -1].set(x[:, -1])
+    return onto.at[0].set(jnp.pad(x[0], 1, mode="edge")).at[-1].set(jnp.pad(x[-1], 1, mode="edge"))
+
+
+def inside(x: Bordered) -> Map:
+    """The map without its border."""
+    return x[1:-1, 1:-1]

@@ -1,0 +1,215 @@
+"""The LGMD1 of Yue & Rind, with which the paper compares: no ON and OFF pathways, no adaptation, and a G layer.
+
+As public codes agree on it. I is inhibition, S what it leaves of P, G what grouping makes of S.
+"""
+
+from typing import Any, ClassVar
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from lgmd2jax._eye import Eye
+from lgmd2jax._network import medulla, retina
+from lgmd2jax._network.abstract import Network
+from lgmd2jax._network.lobula import membrane_potential
+from lgmd2jax._network.maps import bordered
+from lgmd2jax._network.parameters import Levels, ParameterSet, _scalar, _symbol
+from lgmd2jax._network.pixels import cast, scan_pixels
+from lgmd2jax._network.pool import pool
+from lgmd2jax._network.retina import Map
+from lgmd2jax._network.thresholds import Hard, Scalar, Thresholds
+
+_SOURCE = "Yue & Rind 2006, the value that public codes agree on; bounds are this project's"
+_PRIOR = "1 in Yue & Rind 2006, who have no such factor; bounds as of the LGMD2"
+
+
+class YueRindParameters(ParameterSet):
+    """The parameters of `YueRindLGMD1`: the paper's symbols for what the LGMD2 has too, Yue & Rind's for the rest.
+
+    The defaults are the published values. `symbols(YueRindParameters)` says what each means, in which unit, where it
+    may lie and where a fit searches. Of C_de and T_de only T_de/C_de counts, and C_omega, T_de and k times one factor
+    change next to nothing: a fit that frees T_de and k holds C_de and C_omega.
+
+    **Raises:** `ValueError` for a value outside its domain, when the value is concrete (not traced).
+    """
+
+    u: Float[Array, ""] = eqx.field(
+        default=1.0,
+        converter=_scalar,
+        metadata=_symbol(
+            "decay of the photoreceptors' persistence over a frame", "1", "(-inf, inf)", (0.0, 3.0), _SOURCE
+        ),
+    )
+    W_I: Float[Array, ""] = eqx.field(
+        default=0.3,
+        converter=_scalar,
+        metadata=_symbol("weight of the inhibition in the S layer", "1", "[0, inf)", (0.05, 1.0), _SOURCE),
+    )
+    Delta_C: Float[Array, ""] = eqx.field(
+        default=0.01,
+        converter=_scalar,
+        metadata=_symbol(
+            "added to the scale of grouping, which is then never 0",
+            "grey level",
+            "(0, inf)",
+            (1e-3, 1.0),
+            _SOURCE,
+            scale="log",
+        ),
+    )
+    C_omega: Float[Array, ""] = eqx.field(
+        default=4.0,
+        converter=_scalar,
+        metadata=_symbol(
+            "by what the largest group is divided, as the scale of grouping",
+            "1",
+            "(0, inf)",
+            (1.0, 16.0),
+            _SOURCE,
+            "log",
+        ),
+    )
+    C_de: Float[Array, ""] = eqx.field(
+        default=0.5,
+        converter=_scalar,
+        metadata=_symbol("weight of G where it is compared with T_de", "1", "(0, inf)", (0.1, 1.0), _SOURCE, "log"),
+    )
+    T_de: Float[Array, ""] = eqx.field(
+        default=15.0,
+        converter=_scalar,
+        metadata=_symbol("threshold of the G layer", "grey level", "[0, inf)", (1.0, 60.0), _SOURCE, "log"),
+    )
+    T_ffi: Float[Array, ""] = eqx.field(
+        default=10.0,
+        converter=_scalar,
+        metadata=_symbol(
+            "feed-forward inhibition from which there is no spike, at the start",
+            "grey level",
+            "(0, inf)",
+            (1.0, 60.0),
+            _SOURCE,
+            "log",
+        ),
+    )
+    alpha_ffi: Float[Array, ""] = eqx.field(
+        default=0.02,
+        converter=_scalar,
+        metadata=_symbol("share of that threshold in its next value", "1", "[0, 1)", (0.0, 0.5), _SOURCE),
+    )
+    k: Float[Array, ""] = eqx.field(
+        default=1.0,
+        converter=_scalar,
+        metadata=_symbol(
+            "mean potential of a pixel that maps to sigma(1)", "grey level", "(0, inf)", (0.1, 2.0), _PRIOR, "log"
+        ),
+    )
+    T_sp: Float[Array, ""] = eqx.field(
+        default=0.86,
+        converter=_scalar,
+        metadata=_symbol("spiking threshold (.78 and .8 are in use too)", "1", "(0.5, 1)", (0.6, 0.95), _SOURCE),
+    )
+
+    @property
+    def levels(self) -> Levels:
+        """The thresholds of the cell, as figures draw them: T is what it settles at, within two frames."""
+        return Levels((float(self.T_sp),), float(self.T_ffi / (1 - self.alpha_ffi)))
+
+
+class YueRindLayers(eqx.Module):
+    """The maps of one frame, in grey levels, for `record` to choose from: `g_kept` is G after its threshold."""
+
+    p: Map
+    inhibition: Map
+    s: Map
+    c_e: Map
+    g: Map
+    g_kept: Map
+
+
+class _PixelState(eqx.Module):
+    luminance: Map
+    p: Map
+
+
+class _CellState(eqx.Module):
+    threshold: Scalar
+    spikes: Float[Array, " N_sp_less_one"]
+
+
+class YueRindLGMD1(Network):
+    """The LGMD1 network of Yue & Rind 2006, to be asked whatever an `LGMD2` is asked.
+
+    ```python
+    lgmd1 = YueRindLGMD1(eye=eye)
+    response = lgmd1(frames, fps)
+    ```
+
+    P(t) = L(t) - L(t-1) + p_1 P(t-1) with p_1 = 1/(1 + exp(u)); I = W * P(t-1); S = P - W_I I. Grouping: C_e is the 3x3
+    mean of S, omega = Delta_C + max abs(C_e)/C_omega, G = S C_e/omega, kept where C_de G >= T_de. K = sum abs(G),
+    kappa = 1/(1 + exp(-K/(n k))). There is a spike where kappa >= T_sp, but none where F = mean abs(P(t-1)) reaches
+    T(t) = T_ffi + alpha_ffi T(t-1), with T(-1) = T_ffi.
+
+    What a `Response` holds, so that curves of both networks may stand on one pair of axes:
+
+    - `mp`: K, which is what the sigmoid sees. `ffi`: F(t) as it is compared with T(t), one frame old and not delayed.
+    - `smp` and `smp_adapted`: both kappa, since the LGMD1 does not adapt. Here FFI forbids spikes and leaves the
+      potential, where the LGMD2's falls to rest: compare potentials of small motion, spikes of what fills the field.
+      `characterise` reads potentials, so that its rows do not see this FFI.
+    - `spikes`: 0 or 1. `collision`: whether the last N_sp frames all had a spike.
+
+    Nothing in it depends on the length of a frame. Its values belong to a frame rate all the same: `at_frame_rate`.
+
+    **Arguments:**
+
+    - `parameters`: those published; they belong to a frame rate and a field of view.
+    - `thresholds`: as of an `LGMD2`. Of the widths, `s` is that of T_de.
+    - `N_sp`: successive spikes that make an alarm.
+    - `eye`: the sampling that the parameters belong to; where it is given, `fps` may be left out of a call.
+
+    **Raises:** `ValueError` for structure that does not exist and for persistence that is not stable.
+    """
+
+    parameters: YueRindParameters = eqx.field(default_factory=YueRindParameters)
+    thresholds: Thresholds = eqx.field(default_factory=Hard)
+    pixel_parameters: ClassVar = ("u", "W_I", "Delta_C", "C_omega", "C_de", "T_de")
+    n_p: int = eqx.field(default=1, static=True, init=False)
+    N_sp: int = eqx.field(default=4, static=True)
+    eye: Eye | None = eqx.field(default=None, static=True)
+
+    def __check_init__(self):
+        if not isinstance(self.N_sp, int) or self.N_sp < 1:
+            raise ValueError(f"N_sp is {self.N_sp!r}; give a whole number of spikes, 1 or more")
+
+    def _pixels_at_rest(self, frame):
+        return _PixelState(frame, jnp.zeros_like(frame))
+
+    def _pixel_step(self, state, frame, interval):
+        v = cast(self.parameters, frame.dtype)
+        p = retina.photoreceptors(frame - state.luminance, state.p[None], v.u)
+        inhibition = medulla.lateral(bordered(state.p))
+        s = p - v.W_I * inhibition
+        c_e = medulla.g_layer(bordered(s))
+        omega = v.Delta_C + jnp.max(retina.magnitude(c_e)) / v.C_omega
+        g = s * c_e / omega
+        g_kept = g * self.thresholds.s(v.C_de * g, v.T_de)
+        k, f = pool(retina.magnitude(g_kept)), pool(retina.magnitude(state.p), 1 / p.size)
+        return _PixelState(frame, p), (k, f, YueRindLayers(p, inhibition, s, c_e, g, g_kept))
+
+    def _potentials(self, frames, interval, record) -> tuple[Array, Array, Any]:
+        return scan_pixels(self, frames, interval, record)
+
+    def _cell_at_rest(self, dtype):
+        return _CellState(self.parameters.T_ffi.astype(dtype), jnp.zeros(self.N_sp - 1, dtype))
+
+    def _cell_step(self, state, mp, f, parameters, interval, pixels):
+        v, one = parameters, jnp.ones_like(mp)
+        threshold = v.T_ffi + v.alpha_ffi * state.threshold
+        kappa = membrane_potential(mp, one, pixels, v.k)
+        # The gate lets a tie pass, but F = T forbids a spike: hence the number just below T.
+        passes = self.thresholds.ffi(f, threshold * (1 - jnp.finfo(f.dtype).eps))
+        spikes = passes * self.thresholds.spikes(kappa, v.T_sp, one)  # kappa < 1 never reaches a second one
+        window = jnp.append(state.spikes, spikes)
+        collision = self.thresholds.collision(window.sum(), jnp.full_like(f, self.N_sp))
+        channels = {"mp": mp, "ffi": f, "smp": kappa, "smp_adapted": kappa, "spikes": spikes, "collision": collision}
+        return _CellState(threshold, window[1:]), channels

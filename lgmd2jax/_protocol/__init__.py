@@ -1,0 +1,1 @@
+"""Protocols: conditions with their targets, read from TOML."""

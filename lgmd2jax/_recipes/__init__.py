@@ -1,0 +1,1 @@
+"""Recipes of fits and sweeps, read from TOML."""

@@ -1,0 +1,164 @@
+"""A recipe: what to fit to what, read from a TOML file."""
+
+import dataclasses
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import jax
+import numpy as np
+
+from lgmd2jax._eye import Eye
+from lgmd2jax._files.catalogue import beside, read_named
+from lgmd2jax._network.lgmd2 import LGMD2
+from lgmd2jax._network.parameters import preset, symbols
+from lgmd2jax._network.thresholds import Hard, Soft
+from lgmd2jax._protocol.arguments import check_keys, section
+from lgmd2jax._protocol.protocol import load_protocol
+from lgmd2jax._targets.observation import Observation, observation_symbols
+from lgmd2jax._targets.target import Target
+from lgmd2jax.fitting import Fit, Free, Linear, Log, Tie, fit
+from lgmd2jax.fitting._conditions import rendered
+from lgmd2jax.fitting._free import RANGES
+from lgmd2jax.fitting._law_fit import check_approaches
+from lgmd2jax.fitting._validation import leave_one_out
+from lgmd2jax.stimuli import Stimulus
+
+_KEYS = ("protocol", "kind", "preset", "temperature", "parameters", "structure", "observation", "free", "solver")
+_KEYS += ("uncertainty", "validation", "truth")
+_STRUCTURE = ("n_p", "low_pass", "N_ts")
+# What `fit` takes as plain numbers; its key comes from the seed.
+_SOLVER = ("pixel_points", "cell_points", "descend", "temperatures", "max_steps", "loss", "seed")
+
+
+@dataclasses.dataclass(frozen=True)
+class Recipe:
+    """A fit to be made: the model, what is free, and the conditions with their targets.
+
+    - `profile`: parameters whose interval is also found by profile likelihood.
+    - `samples`: how many draws of the posterior to take; 0 for none.
+    - `leave_one_out`: whether to fit anew without each condition and to predict it.
+    - `looming_law`: whether to hold the fit against eta, fitted to the same rates.
+    - `truth`: the values that are known to be right, of a twin.
+    - `table`: the file's content.
+    """
+
+    name: str
+    model: LGMD2
+    observation: Observation
+    free: Free
+    pairs: tuple[tuple[Stimulus, Sequence[Target]], ...]
+    solver: Mapping[str, Any]
+    absolute_errors: bool | None
+    profile: tuple[str, ...]
+    samples: int
+    leave_one_out: bool
+    looming_law: bool
+    truth: Mapping[str, float]
+    table: Mapping[str, Any]
+
+    @property
+    def seed(self) -> int:
+        """Of the search's random points."""
+        return self.solver.get("seed", 0)
+
+    def run(self, progress: bool = False, memory=None, pairs=None) -> Fit:
+        """Make the fit, by default to all conditions."""
+        settings = {name: value for name, value in self.solver.items() if name != "seed"}
+        return fit(
+            self.model,
+            self.pairs if pairs is None else pairs,
+            self.free,
+            key=jax.random.key(self.seed),
+            observation=self.observation,
+            absolute_errors=self.absolute_errors,
+            progress=progress,
+            memory=memory,
+            **settings,
+        )
+
+    def predict_each(self, progress: bool = False) -> dict[str, float]:
+        """R2 of each condition by a fit to the others."""
+        return leave_one_out(lambda pairs: self.run(progress, pairs=pairs), self.pairs)
+
+    def digest(self) -> str:
+        """A digest of all that the fit sees: recipe, stimuli and targets."""
+        seen = hashlib.sha256(json.dumps(self.table, sort_keys=True).encode())
+        for stimulus, targets in self.pairs:
+            seen.update(np.asarray(stimulus.frames).tobytes() + np.asarray(stimulus.time).tobytes())
+            for target in targets:
+                seen.update(target.channel.encode() + np.asarray([target.values, target.scale]).tobytes())
+        return seen.hexdigest()
+
+
+def load_recipe(source: str | Path) -> Recipe:
+    """Read a recipe from a TOML file, or a shipped one by its bare name, and render its stimuli.
+
+    **Raises:** `ValueError`, which names the file and the key, for what is not a recipe; `FileNotFoundError`.
+    """
+    return read_named(source, "fits", _recipe)
+
+
+def _recipe(path: Path, table: dict[str, Any]) -> Recipe:
+    check_keys(table, _KEYS)
+    for key in ("protocol", "free"):
+        if key not in table:
+            raise ValueError(f"{key} is missing")
+    if table.get("kind", "fit") != "fit":
+        raise ValueError(f"kind is {table['kind']!r}; a recipe of this command has kind 'fit'")
+    uncertainty, validation = section(table, "uncertainty"), section(table, "validation")
+    check_keys(uncertainty, ("absolute_errors", "profile", "samples"))
+    check_keys(validation, ("leave_one_out", "looming_law"))
+    free = free_of(table)
+    profile, truth = tuple(uncertainty.get("profile", ())), section(table, "truth")
+    for name in (*profile, *truth):
+        if name not in free.names:
+            raise ValueError(f"{name!r} is not free; choose {', '.join(free.names)}")
+    protocol = load_protocol(beside(path, table["protocol"]))
+    pairs = tuple(rendered(protocol.conditions))
+    if validation.get("looming_law", False):
+        check_approaches(pairs)
+    return Recipe(
+        name=path.stem,
+        model=model_of(table, protocol.conditions[0].eye),
+        observation=Observation(**section(table, "observation", observation_symbols())),
+        free=free,
+        pairs=pairs,
+        solver=section(table, "solver", _SOLVER),
+        absolute_errors=uncertainty.get("absolute_errors"),
+        profile=profile,
+        samples=uncertainty.get("samples", 0),
+        leave_one_out=validation.get("leave_one_out", False),
+        looming_law=validation.get("looming_law", False),
+        truth=truth,
+        table=table,
+    )
+
+
+def free_of(table: Mapping[str, Any]) -> Free:
+    """What the section [free] says."""
+    return Free(**{name: _choice(name, limits) for name, limits in section(table, "free").items()})
+
+
+def model_of(table: Mapping[str, Any], eye: Eye) -> LGMD2:
+    """The model that preset, [parameters] and [structure] name."""
+    parameters = preset(table.get("preset", "lgmd2"), **section(table, "parameters", symbols()))
+    thresholds = Soft(table["temperature"]) if "temperature" in table else Hard()
+    return LGMD2(parameters, thresholds, eye=eye, **section(table, "structure", _STRUCTURE))
+
+
+def _choice(name: str, limits: Any) -> Linear | Log | Tie | None:
+    """What a line of [free] says: bounds, scale and prior, or a tie."""
+    if not isinstance(limits, dict):
+        raise ValueError(f"{name} is free in {limits!r}; write a table, such as {{ low = 1, high = 6 }} or {{}}")
+    if "tie" in limits:
+        check_keys(limits, ("tie", "factor"))
+        return Tie(limits["tie"], limits.get("factor", 1.0))
+    check_keys(limits, ("low", "high", "scale", "prior"))
+    known = symbols() | observation_symbols()
+    scale = limits.get("scale", known[name].scale if name in known else "linear")
+    if scale not in RANGES:
+        raise ValueError(f"{name} has scale {scale!r}; give 'linear' or 'log'")
+    return RANGES[scale](limits.get("low"), limits.get("high"), tuple(limits["prior"]) if "prior" in limits else None)

@@ -1,0 +1,1 @@
+"""Parts of reports: sections as text and HTML, digits, the page."""

@@ -1,0 +1,118 @@
+"""The results of a fit as a folder, and back."""
+
+import csv
+import json
+import math
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+
+from lgmd2jax._files.catalogue import locate
+from lgmd2jax._files.folder import replaced_folder
+from lgmd2jax._handover.model_file import load, save
+from lgmd2jax._results.fit_json import content_of, fit_of, plain
+from lgmd2jax._results.posterior_nc import write_posterior
+from lgmd2jax._targets.target import Channel
+from lgmd2jax.fitting import Curve, Fit
+from lgmd2jax.fitting._report import Extra, html
+from lgmd2jax.fitting._uncertainty.posterior import Posterior
+
+MARKER = "fit.json"
+OWN = (
+    "model.json",
+    MARKER,
+    "curves.csv",
+    "fit.png",
+    "diagnostics.png",
+    "report.txt",
+    "report.html",
+    "posterior.nc",
+)
+_STATISTICS = ("energy", "diverging", "acceptance_rate", "tree_depth")
+_COLUMNS = ("target", "sem", "weight", "soft", "hard", "band")
+
+
+def save_fit(
+    fit: Fit,
+    folder: str | Path,
+    *,
+    name: str | None = None,
+    extra: Extra | None = None,
+    provenance: dict[str, Any] | None = None,
+    made: dict[str, Any] | None = None,
+    draws: Posterior | None = None,
+) -> None:
+    """Write a fit's folder: model.json, fit.json, curves.csv, fit.png, diagnostics.png, report.txt and report.html.
+
+    The folder appears whole; an old one of results is replaced in one step, and what else stands in it is kept.
+
+    **Arguments:** `name`: of the report, by default the folder's. `extra`: further sections of the report.
+    `provenance`: plain values for model.json, which equal fits share. `made`: what else fit.json is to say.
+    `draws`: of the posterior, for posterior.nc.
+
+    **Raises:** `ValueError` for a folder that holds something else, or that cannot be written.
+    """
+    from lgmd2jax._figures.fit import diagnostics_figure, fit_figure  # the only part that needs matplotlib
+    from lgmd2jax._reports.page import report_page
+
+    folder, extra = Path(folder), extra or Extra()
+    name = name or folder.absolute().name
+    with replaced_folder(folder, MARKER, OWN) as new:
+        save(fit.model, new / "model.json", provenance=provenance or {})
+        _write_curves(new / "curves.csv", fit.curves)
+        content = {"name": name} | content_of(fit, extra) | plain(made or {})
+        (new / MARKER).write_text(json.dumps(content, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+        (new / "report.txt").write_text(fit.summary(extra) + "\n", encoding="utf-8")
+        fit_figure(new / "fit.png", fit.curves, name)
+        diagnostics_figure(new / "diagnostics.png", fit)
+        if draws is not None:
+            units = {it.name: it.symbol.unit for it in fit.free.freedoms}
+            statistics = {name: np.asarray(getattr(draws, name)) for name in _STATISTICS}
+            write_posterior(new / "posterior.nc", fit.values_of(draws), units, statistics)
+        page = report_page(f"Fit {name}", [new / "fit.png", new / "diagnostics.png"], html(fit, extra))
+        (new / "report.html").write_text(page, encoding="utf-8")
+
+
+def load_fit(folder: str | Path) -> Fit:
+    """The fit of a result folder, or of a shipped one by its bare name. It predicts; it does not hold the targets.
+
+    **Raises:** `ValueError` for a folder that holds no fit, `FileNotFoundError` where there is none.
+    """
+    folder = _folder(folder)
+    try:
+        content = json.loads((folder / MARKER).read_text(encoding="utf-8"))
+        return fit_of(content, load(folder / "model.json"), _read_curves(folder / "curves.csv"))
+    except (ValueError, KeyError, TypeError) as error:
+        raise ValueError(f"{folder} holds no fit that can be used: {error}") from error
+
+
+def _folder(folder: str | Path) -> Path:
+    path = Path(folder)
+    if path.is_dir():
+        if not (path / MARKER).is_file():
+            raise ValueError(f"{path} holds no fit: there is no {MARKER}")
+        return path
+    return locate(folder, "fits", f"/{MARKER}").parent
+
+
+def _write_curves(path: Path, curves: tuple[Curve, ...]) -> None:
+    with open(path, "w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(["condition", "channel", "time_ms", *_COLUMNS])
+        for curve in curves:
+            for row in zip(curve.time, *(getattr(curve, name) for name in _COLUMNS), strict=True):
+                cells = ("" if math.isnan(value) else f"{value:.9g}" for value in row)
+                writer.writerow([curve.condition, curve.channel, *cells])
+
+
+def _read_curves(path: Path) -> tuple[Curve, ...]:
+    """A curve ends where its name changes or time goes back."""
+    curves: list[tuple[tuple[str, str], list[list[float]]]] = []
+    with open(path, newline="", encoding="utf-8") as file:
+        for condition, channel, *cells in list(csv.reader(file))[1:]:
+            row = [float(cell) if cell else math.nan for cell in cells]
+            if not curves or curves[-1][0] != (condition, channel) or row[0] <= curves[-1][1][-1][0]:
+                curves.append(((condition, channel), []))
+            curves[-1][1].append(row)
+    return tuple(Curve(name[0], cast(Channel, name[1]), *np.array(rows).T) for name, rows in curves)

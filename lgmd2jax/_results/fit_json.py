@@ -1,0 +1,148 @@
+"""fit.json: what a fit found, as plain data, and back."""
+
+import dataclasses
+import math
+from importlib.metadata import version
+from typing import Any
+
+import jax
+import numpy as np
+
+from lgmd2jax._network.lgmd2 import LGMD2
+from lgmd2jax._network.thresholds import Soft, StraightThrough, Thresholds, Widths
+from lgmd2jax._targets.observation import Observation, observation_symbols
+from lgmd2jax.fitting import Curve, Fit, Free, Linear, Log, Run, Tie
+from lgmd2jax.fitting._free import RANGES
+from lgmd2jax.fitting._report import Extra
+from lgmd2jax.fitting._uncertainty.covariance import Uncertainty
+
+FORMAT, VERSION = "lgmd2jax-fit", 1
+
+
+def content_of(fit: Fit, extra: Extra) -> dict[str, Any]:
+    """All but the curves and the model, which have files of their own; numbers that are not finite as None."""
+    u = fit.uncertainty
+    free = {
+        it.name: {
+            "value": fit.values[it.name],
+            "standard_error": u.standard_errors[i],
+            "interval": u.intervals[i],
+            "determined": bool(u.determined[i]),
+            "on_bound": int(u.on_bound[i]),
+            "unit": it.symbol.unit,
+            "start": fit.start[it.name],
+            "low": it.low,
+            "high": it.high,
+            "scale": it.scale,
+            "prior": it.prior,
+        }
+        for i, it in enumerate(fit.free.freedoms)
+    }
+    observation = {name: float(getattr(fit.observation, name)) for name in observation_symbols()}
+    content = {
+        "format": FORMAT,
+        "version": VERSION,
+        "result": fit.result,
+        "free": free,
+        "ties": {name: dataclasses.asdict(tie) for name, tie in fit.free.ties.items()},
+        "observation": observation,
+        "loss": fit.loss,
+        "soft_loss": fit.soft_loss,
+        "temperatures": fit.temperatures,
+        "thresholds": _thresholds(fit.model.thresholds),
+        "curves": [
+            {
+                "condition": curve.condition,
+                "channel": curve.channel,
+                "r2": {"soft": curve.r2("soft"), "hard": curve.r2("hard")},
+                "rmse": {"soft": curve.rmse("soft"), "hard": curve.rmse("hard")},
+                "gap": curve.gap,
+            }
+            for curve in fit.curves
+        ],
+        "remarks": fit.remarks(),
+        "leave_one_out_r2": extra.left_out,
+        "looming_law": extra.beside and dataclasses.asdict(extra.beside),
+        "profiles": {name: dataclasses.asdict(profile) for name, profile in extra.profiles.items()},
+        "z": fit.z,
+        "uncertainty": {
+            field.name: getattr(u, field.name) for field in dataclasses.fields(u) if field.name not in ("names",)
+        },
+        "curved": fit.curved,
+        "errors": fit.errors,
+        "stats": fit.stats,
+        "runs": [dataclasses.asdict(run) for run in fit.runs],
+        "screened": fit.screened,
+        "versions": {name: version(name) for name in ("lgmd2jax", "jax", "equinox", "optimistix", "numpy")},
+    }
+    return plain(content)
+
+
+def fit_of(content: dict[str, Any], model: LGMD2, curves: tuple[Curve, ...]) -> Fit:
+    """The fit, with the hard model of its hand-over file and its curves.
+
+    **Raises:** `ValueError` for another format, and `KeyError` or `TypeError` for what is not complete.
+    """
+    if not isinstance(content, dict) or (content.get("format"), content.get("version")) != (FORMAT, VERSION):
+        raise ValueError(f"its format is not {FORMAT!r}, version {VERSION}")
+    how = content["thresholds"]
+    if how["kind"] != "Hard":
+        kind = {"Soft": Soft, "StraightThrough": StraightThrough}[how["kind"]]
+        model = dataclasses.replace(model, thresholds=kind(how["temperature"], Widths(**how["widths"])))
+    choices = {name: _choice(it) for name, it in content["free"].items()}
+    return Fit(
+        model=model,
+        observation=Observation(**content["observation"]),
+        free=Free(**choices, **{name: Tie(**tie) for name, tie in content["ties"].items()}),
+        z=np.array(content["z"]),
+        start={name: it["start"] for name, it in content["free"].items()},
+        loss=content["loss"],
+        soft_loss=content["soft_loss"],
+        temperatures=tuple(content["temperatures"]),
+        uncertainty=_uncertainty(tuple(choices), content["uncertainty"]),
+        curved=tuple(content["curved"]),
+        curves=curves,
+        runs=tuple(Run.of(run) for run in content["runs"]),
+        screened=tuple(content["screened"]),
+        errors=content["errors"],
+        result=content["result"],
+        stats=content["stats"],
+    )
+
+
+def _choice(it: dict[str, Any]) -> Linear | Log:
+    return RANGES[it["scale"]](it["low"], it["high"], it["prior"] and tuple(it["prior"]))
+
+
+def _thresholds(thresholds: Thresholds) -> dict[str, Any]:
+    if not isinstance(thresholds, Soft | StraightThrough):
+        return {"kind": "Hard"}
+    widths = {field.name: float(getattr(thresholds.widths, field.name)) for field in dataclasses.fields(Widths)}
+    return {"kind": type(thresholds).__name__, "temperature": float(thresholds.temperature), "widths": widths}
+
+
+def _uncertainty(names: tuple[str, ...], content: dict[str, Any]) -> Uncertainty:
+    fields: dict[str, Any] = {"names": names}
+    for name, value in content.items():
+        fields[name] = _array(value, math.inf if name == "standard_errors" else math.nan)
+    return Uncertainty(**fields)
+
+
+def _array(value: Any, beyond: float) -> Any:
+    """Lists as arrays, and None, since JSON has no word for it, as `beyond`."""
+    if isinstance(value, list):
+        return np.array([_array(it, beyond) for it in value])
+    return beyond if value is None else value
+
+
+def plain(value: Any) -> Any:
+    """As JSON has it: arrays as lists, what is not finite as null."""
+    if isinstance(value, dict):
+        return {name: plain(it) for name, it in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [plain(it) for it in value]
+    if isinstance(value, (np.ndarray, np.generic, jax.Array)):
+        return plain(value.tolist())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

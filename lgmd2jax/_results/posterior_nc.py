@@ -1,0 +1,42 @@
+"""Posterior draws as a NetCDF file in the layout that ArviZ reads (the extra `bayes`)."""
+
+import importlib.util
+import os
+from collections.abc import Mapping
+from importlib.metadata import version
+
+import numpy as np
+from jaxtyping import Float
+
+from lgmd2jax._files.atomic import replaced
+
+
+def write_posterior(
+    path: str | os.PathLike,
+    draws: Mapping[str, Float[np.ndarray, "chain draw"]],
+    units: Mapping[str, str],
+    statistics: Mapping[str, np.ndarray],
+) -> None:
+    """Write the groups `posterior` and `sample_stats`: `arviz.from_netcdf(path)`.
+
+    **Arguments:** `draws` of each parameter in its own unit; `units` of them; `statistics` of each draw, named as ArviZ
+    does: `energy`, `diverging`, `acceptance_rate`, `tree_depth`.
+
+    **Raises:** `ValueError` without these packages, and when `path` cannot become a file.
+    """
+    if not all(importlib.util.find_spec(name) for name in ("blackjax", "h5netcdf", "xarray")):
+        raise ValueError("a file of samples needs xarray and h5netcdf: pip install 'lgmd2jax[bayes]'")
+    import xarray
+
+    def group(arrays: Mapping[str, np.ndarray]) -> xarray.Dataset:
+        count, length = next(iter(arrays.values())).shape
+        coordinates = {"chain": np.arange(count), "draw": np.arange(length)}
+        attributes = {"inference_library": "blackjax", "inference_library_version": version("blackjax")}
+        return xarray.Dataset({name: (("chain", "draw"), it) for name, it in arrays.items()}, coordinates, attributes)
+
+    posterior = group(draws)
+    for name, unit in units.items():
+        posterior[name].attrs["units"] = unit
+    with replaced(path) as temporary:
+        posterior.to_netcdf(temporary, mode="w", group="posterior", engine="h5netcdf")
+        group(statistics).to_netcdf(temporary, mode="a", group="sample_stats", engine="h5netcdf")

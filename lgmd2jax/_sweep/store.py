@@ -1,0 +1,183 @@
+"""Where results go: arrays in memory, or a Zarr store on disk that a killed sweep can be resumed from."""
+
+import dataclasses
+import hashlib
+import inspect
+import os
+import secrets
+import shutil
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import equinox as eqx
+import jax
+import numpy as np
+
+from lgmd2jax._compute.cluster import need
+from lgmd2jax._sweep.blocks import Plan, Region
+from lgmd2jax._sweep.responses import CHANNELS, SUMMARIES
+
+if TYPE_CHECKING:
+    import xarray
+
+_DONE = "finished/blocks"  # in a group of its own, so that xarray does not show it
+
+
+class Memory:
+    """Results as arrays."""
+
+    def __init__(self, plan: Plan):
+        self._plan = plan
+        self._arrays = {
+            name: np.full((*plan.grid.shape, *shape), np.nan, dtype) for name, (shape, dtype) in plan.variables.items()
+        }
+
+    def missing(self) -> list[int]:
+        """The blocks that are still to be computed."""
+        return list(self._plan.numbers())
+
+    def write(self, number: int, results: dict[str, np.ndarray]) -> None:
+        """Keep the results of a block."""
+        for name, values in results.items():
+            self._arrays[name][self._plan.region(number)] = values
+
+    def dataset(self) -> "xarray.Dataset":
+        """All results, labelled."""
+        empty = _labels(self._plan)
+        return empty.assign(
+            {name: (_dimensions(self._plan, name), it, _meaning(name)) for name, it in self._arrays.items()}
+        )
+
+
+class Store:
+    """Results in a Zarr folder. A block is one chunk of every variable, and is marked once all of these are written.
+
+    **Raises:** `ValueError` for a folder that holds something else, or the results of another sweep.
+    """
+
+    def __init__(self, plan: Plan, path: str | os.PathLike):
+        need("zarr", extra="sweep")
+        self._plan, self._path = plan, Path(path)
+        if not self._path.exists() or (self._path.is_dir() and not any(self._path.iterdir())):
+            self._create()
+        try:
+            digest = self._group("r").attrs.get("digest")
+        except (FileNotFoundError, ValueError, TypeError):
+            digest = None
+        if digest is None:
+            raise ValueError(f"{path} holds something else than a sweep; name another folder")
+        if digest != _digest(plan):
+            raise ValueError(
+                f"{path} holds another sweep (or one of other versions); remove it, or name another folder"
+            )
+
+    def missing(self) -> list[int]:
+        """The blocks that are still to be computed."""
+        return np.flatnonzero(~self._group("r")[_DONE][:]).tolist()
+
+    def write(self, number: int, results: dict[str, np.ndarray]) -> None:
+        """Write the results of a block.
+
+        **Raises:** `ValueError` where the disk refuses; what was stored stays.
+        """
+        try:
+            _write(self._group("r+"), number, self._plan.region(number), results)
+        except OSError as error:
+            reason = error.strerror or str(error)
+            raise ValueError(
+                f"cannot write {self._path}: {reason}; what is stored stays: run again to go on"
+            ) from error
+
+    def dataset(self) -> "xarray.Dataset":
+        """All results, labelled, and read from the disk where they are looked at."""
+        import xarray
+
+        return xarray.open_zarr(self._path, chunks=None, consolidated=False)[list(self._plan.variables)]
+
+    def _group(self, mode: Literal["r", "r+"]) -> Any:
+        import zarr
+
+        return zarr.open_group(self._path, mode=mode, use_consolidated=False)
+
+    def _create(self) -> None:
+        """Write a store without results beside the place where it then appears, whole."""
+        import zarr
+
+        path = self._path.absolute()
+        if not path.parent.is_dir():
+            raise ValueError(f"the folder {path.parent} does not exist; make it first, or write elsewhere")
+        temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
+        try:
+            labels = _labels(self._plan).assign_attrs(digest=_digest(self._plan))
+            labels.to_zarr(temporary, mode="w", zarr_format=3, consolidated=False)
+            group = zarr.open_group(temporary, mode="r+", use_consolidated=False)
+            for name, (shape, dtype) in self._plan.variables.items():
+                group.create_array(
+                    name,
+                    shape=(*self._plan.grid.shape, *shape),
+                    chunks=(*self._plan.chunk, *shape),
+                    dtype=dtype,
+                    fill_value=np.nan,
+                    dimension_names=_dimensions(self._plan, name),
+                    attributes={**_meaning(name)},
+                )
+            count = len(self._plan.numbers())
+            group.create_array(_DONE, shape=(count,), chunks=(1,), dtype=bool, fill_value=False)
+            temporary.rename(path)
+        except OSError as error:
+            raise ValueError(f"cannot write {path}: {error.strerror or error}") from error
+        finally:
+            shutil.rmtree(temporary, ignore_errors=True)
+
+
+def _write(group: Any, number: int, region: Region, results: dict[str, np.ndarray]) -> None:
+    """The mark comes last: what a kill leaves without one is computed again."""
+    for name, values in results.items():
+        group[name][region] = values
+    group[_DONE][number] = True
+
+
+def _dimensions(plan: Plan, name: str) -> list[str]:
+    return [axis.name for axis in plan.grid.axes] + (["time"] if name in plan.channels else [])
+
+
+def _meaning(name: str) -> dict[str, str]:
+    unit, meaning = (CHANNELS | SUMMARIES)[name]
+    return {"units": unit, "long_name": meaning}
+
+
+def _labels(plan: Plan) -> "xarray.Dataset":
+    """Coordinates and attributes alone."""
+    import xarray
+
+    coordinates: dict[str, Any] = {}
+    for axis in plan.grid.axes:
+        named = {"units": axis.unit, "long_name": axis.meaning}
+        coordinates[axis.name] = (axis.name, axis.values, {key: text for key, text in named.items() if text})
+    if plan.channels:
+        coordinates["time"] = ("time", plan.time, {"units": "ms", "long_name": "time from the event"})
+    shown = {name: value for name, value in plan.grid.setup.fixed.items() if isinstance(value, (int, float, str))}
+    attributes = {
+        "stimulus": getattr(plan.grid.setup.renderer, "__name__", "?"),
+        "shown": ", ".join(f"{name} = {value}" for name, value in shown.items()),
+        "eye": ", ".join(f"{name} = {value}" for name, value in dataclasses.asdict(plan.grid.setup.eye).items()),
+        "made_by": f"lgmd2jax {version('lgmd2jax')}",
+    }
+    return xarray.Dataset(coords=coordinates, attrs=attributes)
+
+
+def _digest(plan: Plan) -> str:
+    """Of all that the numbers depend on. A renderer of one's own is known by its source."""
+    setup = plan.grid.setup
+    try:
+        renderer = inspect.getsource(setup.renderer)
+    except (OSError, TypeError):
+        renderer = repr(setup.renderer)
+    arrays, static = eqx.partition((setup.model, setup.fixed), eqx.is_array)
+    versions = [version(name) for name in ("lgmd2jax", "jax")]
+    said = [renderer, setup.eye, setup.kinds, plan.channels, plan.chunk, plan.variables, versions]
+    seen = hashlib.sha256(repr([*said, jax.tree.leaves(static), str(jax.tree.structure(static))]).encode())
+    for array in (*jax.tree.leaves(arrays), *(axis.values for axis in plan.grid.axes)):
+        seen.update(repr((np.shape(array), np.asarray(array).tolist())).encode())
+    return seen.hexdigest()

@@ -1,0 +1,3 @@
+"""The command line: `lgmd2jax COMMAND ...`, a module a command."""
+
+from lgmd2jax.cli.main import main as main

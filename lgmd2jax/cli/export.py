@@ -1,0 +1,74 @@
+"""`lgmd2jax export MODEL --python DIR`: all that a robot needs, in one folder."""
+
+import argparse
+from pathlib import Path
+
+from lgmd2jax import hard
+from lgmd2jax._files.atomic import replaced
+from lgmd2jax._handover.model_file import handed_over, save
+from lgmd2jax._handover.named import model_file, model_named
+
+_EXAMPLES = """\
+examples:
+  lgmd2jax export dcmd --python robot           the shipped fit dcmd: writes robot/model.json and robot/hard.py
+  lgmd2jax export mine/model.json --python .    one of your own, into the current folder
+  lgmd2jax export preset:lgmd2 --python robot   the paper's parameters
+
+The folder needs Python and NumPy, and nothing of lgmd2jax. Whoever loads model.json runs the clip in it first, and
+refuses the file where the response is not the one that it states.
+"""
+
+
+def add(commands) -> None:
+    """Add the command to argparse's sub-commands."""
+    parser = commands.add_parser(
+        "export",
+        help="hand a model over to a robot",
+        description="Write a model with hard thresholds, and the one file of NumPy that runs it, into a folder.",
+        epilog=_EXAMPLES,
+    )
+    parser.add_argument(
+        "model", metavar="MODEL", help="a hand-over file model.json, the name of a shipped fit, or preset:NAME"
+    )
+    parser.add_argument(
+        "--python",
+        type=Path,
+        required=True,
+        metavar="DIR",
+        help="the folder for model.json and hard.py; made if missing",
+    )
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> None:
+    """Check the model, write both files, and say how to use them."""
+    model, folder = handed_over(model_named(options.model)), options.python
+    paths = folder / "model.json", folder / "hard.py"
+    _check_place(folder, paths)
+    source = Path(hard.__file__).read_bytes()
+    path = model_file(options.model)
+    original = None if path is None else path.read_bytes()
+    folder.mkdir(parents=True, exist_ok=True)
+    with replaced(paths[0]) as target, replaced(paths[1]) as program:
+        program.write_bytes(source)
+        if original is None:
+            save(model, target)
+        else:
+            target.write_bytes(original)
+    print(f"wrote {paths[0]} and {paths[1]}; there, with NumPy alone:")
+    if model.eye is None:
+        arguments, meaning = "frame, interval=33.3", "any size, and ms since the last frame"
+    else:
+        arguments, meaning = "frame", f"{model.eye.rows} x {model.eye.cols} at {model.eye.fps:g} fps"
+    print("  import hard")
+    print('  model = hard.load("model.json")')
+    print(f"  now = model.step({arguments})  # grey levels 0..255, {meaning}; then now.spikes, now.collision")
+
+
+def _check_place(folder, paths):
+    """Refuse to write over what an export did not make: both of its files name the format."""
+    if folder.exists() and not folder.is_dir():
+        raise ValueError(f"{folder} is not a folder; --python takes one")
+    for path in paths:
+        if path.is_file() and f'"{hard.FORMAT}"'.encode() not in path.read_bytes():
+            raise ValueError(f"{path} is something else, and would be lost; move it away, or give another folder")

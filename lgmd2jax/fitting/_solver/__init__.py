@@ -1,0 +1,1 @@
+"""The bounded Levenberg-Marquardt solver, on optimistix' interface."""

@@ -1,0 +1,1 @@
+"""How well a fit is determined: covariance, profiles, posterior."""

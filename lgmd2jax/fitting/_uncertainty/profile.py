@@ -1,0 +1,115 @@
+"""Intervals by profile likelihood: one parameter is moved, all others are fitted anew, as in MINOS."""
+
+import dataclasses
+from collections.abc import Callable
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+import optimistix as optx
+from jaxtyping import Array, Float
+
+from lgmd2jax.fitting._solver.levenberg_marquardt import BoundedLevenbergMarquardt
+
+# Relative, how close an end comes to the rise that is looked for.
+_CLOSE = 1e-3
+_TRIALS = 20
+
+
+@dataclasses.dataclass(frozen=True)
+class Profile:
+    """How chi2 rises as a parameter is moved, in its own unit.
+
+    - `values`, `rise`: the points that were tried, sorted, and chi2 above its minimum there, per variance.
+    - `interval`: where the rise reaches `limit`. `is_open`: ends at which it does not within the bounds.
+    """
+
+    values: Float[np.ndarray, " points"]
+    rise: Float[np.ndarray, " points"]
+    interval: tuple[float, float]
+    is_open: tuple[bool, bool]
+    limit: float
+
+
+def profile(
+    residuals: Callable[[Float[Array, " free"]], Float[Array, " n"]],
+    z: Float[np.ndarray, " free"],
+    index: int,
+    *,
+    variance: float,
+    limit: float,
+    step: float,
+    value: Callable[[float], float] = float,
+    max_steps: int = 100,
+) -> Profile:
+    """Move parameter `index` away from its best value until chi2 / variance has risen by `limit`, to both sides.
+
+    **Arguments:** `residuals` by a point of the unit box, correlated ones already counted as fractions; `z` the best
+    point; `step` the first distance tried, such as two standard errors; `value` maps to the parameter's own unit.
+    """
+    minimum, best = refitted(residuals, jnp.asarray(z), jnp.asarray(-1), jnp.asarray(0.0), max_steps)
+    start = float(minimum[index])
+    tried = {start: (0.0, minimum)}
+
+    def rise(x: float) -> float:
+        near = min(tried, key=lambda other: abs(other - x))
+        point, chi2 = refitted(residuals, tried[near][1], jnp.asarray(index), jnp.asarray(x), max_steps)
+        tried[x] = float(chi2 - best) / variance, point
+        return tried[x][0]
+
+    ends = [_crossing(rise, start, sign, step, limit) for sign in (-1, 1)]
+    order = sorted(tried)
+    return Profile(
+        values=np.array([value(x) for x in order]),
+        rise=np.array([tried[x][0] for x in order]),
+        interval=(value(0.0 if ends[0] is None else ends[0]), value(1.0 if ends[1] is None else ends[1])),
+        is_open=(ends[0] is None, ends[1] is None),
+        limit=limit,
+    )
+
+
+def _crossing(rise: Callable[[float], float], start: float, sign: int, step: float, limit: float) -> float | None:
+    """Where the rise reaches the limit: out in growing steps, then in between by false position (Illinois).
+
+    The root of the rise is nearly a straight line, hence easier to follow.
+    """
+
+    def excess(x: float) -> float:
+        return float(np.sqrt(max(rise(x), 0)) - np.sqrt(limit))
+
+    wall = 0.0 if sign < 0 else 1.0
+    inner, low, outer, high = start, -np.sqrt(limit), start, -1.0
+    while high < 0:
+        if outer == wall:
+            return None
+        outer = min(max(outer + sign * step, 0.0), 1.0)
+        high = excess(outer)
+        if high < 0:
+            inner, low = outer, high
+        step *= 2
+    x, side = outer, 0
+    for _ in range(_TRIALS):
+        x = (inner * high - outer * low) / (high - low)
+        now = excess(x)
+        if abs(now) < _CLOSE * np.sqrt(limit):
+            break
+        if now < 0:
+            inner, low, high, side = x, now, high / (2 if side < 0 else 1), -1
+        else:
+            outer, high, low, side = x, now, low / (2 if side > 0 else 1), 1
+    return x
+
+
+@eqx.filter_jit
+def refitted(residuals, z, index, x, max_steps: int):
+    """The best point with entry `index` held at x (with index -1 nothing is held), and chi2 there."""
+    held = jnp.arange(len(z)) == index
+    lower, upper = jnp.where(held, x, 0.0), jnp.where(held, x, 1.0)
+    solution = optx.least_squares(
+        lambda z, _: residuals(z),
+        BoundedLevenbergMarquardt(1e-5, 1e-9, lower, upper),
+        jnp.where(held, x, z),
+        throw=False,
+        max_steps=max_steps,
+    )
+    return solution.value, jnp.sum(jnp.square(residuals(solution.value)))

@@ -1,0 +1,39 @@
+"""How programs of ours ask XLA to compile: the loop over frames as one kernel, with the same response."""
+
+import json
+import os
+import subprocess
+import sys
+
+import numpy as np
+
+import lgmd2jax as lgmd
+from benchmarks._kernels import work_per_frame
+from benchmarks._task import FPS, SMALL, film
+from lgmd2jax._compute.xla import FLAGS, set_flags
+
+PROGRAM = """
+import json, os
+import lgmd2jax as lgmd, lgmd2jax.cli
+from lgmd2jax._compute.xla import set_flags
+set_flags()
+from benchmarks._kernels import work_per_frame
+from benchmarks._task import FPS, SMALL, film
+smp = lgmd.LGMD2()(film(SMALL, 60), FPS).smp_adapted
+print(json.dumps({"flags": os.environ["XLA_FLAGS"], "whole": work_per_frame(SMALL).whole, "smp": smp.tolist()}))
+"""
+
+
+def test_the_loop_over_frames_is_one_kernel_and_the_response_the_same():
+    unset = {name: value for name, value in os.environ.items() if name != "XLA_FLAGS"}
+    told = subprocess.run([sys.executable, "-c", PROGRAM], env=unset, capture_output=True, text=True, check=True)
+    told = json.loads(told.stdout)
+    assert (told["flags"], told["whole"]) == (FLAGS, True)
+    assert not work_per_frame(SMALL).whole  # here nobody asked for it
+    np.testing.assert_allclose(told["smp"], lgmd.LGMD2()(film(SMALL, 60), FPS).smp_adapted, rtol=1e-5)
+
+
+def test_flags_of_the_user_are_kept(monkeypatch):
+    monkeypatch.setenv("XLA_FLAGS", "--xla_dump_to=/nowhere")
+    set_flags()
+    assert os.environ["XLA_FLAGS"] == "--xla_dump_to=/nowhere"

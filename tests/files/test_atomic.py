@@ -1,0 +1,60 @@
+"""Files appear whole or not at all."""
+
+import os
+import stat
+
+import pytest
+
+from lgmd2jax._files.atomic import replaced
+
+
+def test_the_file_appears_when_the_block_ends(tmp_path):
+    path = tmp_path / "result.csv"
+    with replaced(path) as temporary:
+        temporary.write_text("whole")
+        assert not path.exists()
+        assert temporary.parent == path.parent
+        assert temporary.suffix == path.suffix
+    assert path.read_text() == "whole"
+    assert os.listdir(tmp_path) == ["result.csv"]
+
+
+@pytest.mark.parametrize("error", [ValueError, KeyboardInterrupt])
+def test_what_stood_there_stays_when_the_block_fails(tmp_path, error):
+    path = tmp_path / "result.csv"
+    path.write_text("before")
+
+    def write_half():
+        with replaced(path) as temporary:
+            temporary.write_text("half")
+            raise error
+
+    with pytest.raises(error):
+        write_half()
+    assert path.read_text() == "before"
+    assert os.listdir(tmp_path) == ["result.csv"]
+
+
+def test_the_file_is_as_readable_as_any_other(tmp_path):
+    plain = tmp_path / "plain"
+    plain.touch()
+    with replaced(tmp_path / "result") as temporary:
+        temporary.touch()
+    assert stat.S_IMODE((tmp_path / "result").stat().st_mode) == stat.S_IMODE(plain.stat().st_mode)
+
+
+def test_two_writers_do_not_share_a_temporary_file(tmp_path):
+    with replaced(tmp_path / "a.csv") as first, replaced(tmp_path / "a.csv") as second:
+        assert first != second
+        first.write_text("first")
+        second.write_text("second")
+    assert (tmp_path / "a.csv").read_text() == "first"
+
+
+def test_a_place_that_cannot_hold_a_file_is_refused_before_the_work(tmp_path):
+    with pytest.raises(ValueError, match=r"folder .*nowhere does not exist"), replaced(tmp_path / "nowhere" / "a.csv"):
+        pytest.fail("the block ran")
+    with pytest.raises(ValueError, match="is not a file"), replaced(tmp_path):
+        pytest.fail("the block ran")
+    with pytest.raises(ValueError, match=r"cannot write .*: File name too long"), replaced(tmp_path / ("a" * 255)):
+        pytest.fail("the block ran")

@@ -1,0 +1,266 @@
+"""Protocols: what a TOML file says is what is rendered, and what it gets wrong is said in one line."""
+
+import itertools
+import textwrap
+
+import imageio.v3 as iio
+import jax
+import numpy as np
+import pytest
+
+from lgmd2jax import stimuli
+from lgmd2jax._eye import Eye
+from lgmd2jax._protocol.protocol import Condition, load_protocol
+
+EYE = Eye(rows=12, cols=16, degrees_per_pixel=6.0, fps=50.0)
+
+
+@pytest.fixture
+def load(tmp_path):
+    """Load a protocol from text, below a small eye."""
+
+    def load(text, eye="[eye]\nrows = 12\ncols = 16\ndegrees_per_pixel = 6\nfps = 50\n"):
+        (tmp_path / "trial.toml").write_text(eye + textwrap.dedent(text), encoding="utf-8")
+        return load_protocol(tmp_path / "trial.toml")
+
+    return load
+
+
+def test_a_condition_is_what_the_file_says(load):
+    protocol = load("""
+        [[condition]]
+        name = "dark"
+        family = "looming"
+        l_over_v = 40
+        contrast = -0.9
+    """)
+    assert protocol.name == "trial"
+    assert protocol.conditions == (Condition("dark", EYE, "looming", {"l_over_v": 40, "contrast": -0.9}),)
+
+
+def test_lists_expand_to_their_product_in_the_order_written(load):
+    protocol = load("""
+        [[condition]]
+        name = "{contrast} {l_over_v} {eye[fps]} {background[image]}"
+        family = "looming"
+        contrast = [-0.5, 0.1]
+        l_over_v = [40.0, 20, 12.5]
+        eye = { fps = [50, 100] }
+        background = { kind = "photograph", image = ["brick", "gravel"] }
+    """)
+    grid = itertools.product(["-0.5", "0.1"], ["40", "20", "12.5"], ["50", "100"], ["brick", "gravel"])
+    assert [condition.name for condition in protocol.conditions] == [" ".join(point) for point in grid]
+    last = protocol.conditions[-1]
+    assert (last.parameters["contrast"], last.parameters["l_over_v"], last.eye.fps) == (0.1, 12.5, 100)
+    np.testing.assert_array_equal(last.parameters["background"].image, stimuli.Photograph("gravel").image)
+
+
+def test_families_are_an_axis_too(load):
+    protocol = load("""
+        [[condition]]
+        name = "{family}"
+        family = ["looming", "receding"]
+        l_over_v = 40
+    """)
+    assert [condition.family for condition in protocol.conditions] == ["looming", "receding"]
+
+
+def test_a_vector_is_a_list_within_a_list(load):
+    (condition,) = load("""
+        [[condition]]
+        name = "any course"
+        family = "looming"
+        distance = { kind = "tabulated", time_ms = [[-500, 0]], distance = [[50, 1]] }
+    """).conditions
+    np.testing.assert_array_equal(condition.parameters["distance"].time_ms, [-500.0, 0.0])
+    np.testing.assert_array_equal(condition.parameters["distance"].distance, [50.0, 1.0])
+
+
+@pytest.mark.parametrize(
+    ("table", "eye"),
+    [
+        ("[eye]\npreset = 'locust'", Eye.preset("locust")),
+        ("[eye]\npreset = 'paper'", Eye.preset("paper")),
+        ("[eye]\npreset = 'locust'\nfps = 200", Eye(48, 64, 2.0, 200.0)),
+        ("[eye]\nrows=9\ncols=8\ndegrees_per_pixel=1\nfps=30\nprojection='pinhole'", Eye(9, 8, 1.0, 30.0, "pinhole")),
+    ],
+)
+def test_eyes(load, table, eye):
+    protocol = load("\n[[condition]]\nname = 'a'\nfamily = 'looming'\n", eye=table)
+    assert protocol.conditions[0].eye == eye
+
+
+def test_a_condition_may_see_with_another_eye(load):
+    conditions = load("""
+        [[condition]]
+        name = "at the common rate"
+        family = "looming"
+        [[condition]]
+        name = "faster"
+        family = "looming"
+        eye.fps = 200
+    """).conditions
+    assert [condition.eye for condition in conditions] == [EYE, Eye(12, 16, 6.0, 200.0)]
+
+
+def test_targets_are_read_with_names_filled_beside_the_protocol(load, tmp_path):
+    (tmp_path / "targets").mkdir()
+    (tmp_path / "targets" / "psth.csv").write_text("t,rate_lv3.75_mean,rate_lv15_mean\n-400,1,2\n0,3,4\n")
+    first, second = load("""
+        [[condition]]
+        name = "{l_over_v}"
+        family = "looming"
+        l_over_v = [3.75, 15]
+        contrast = -0.9
+        start_ms = -400
+        end_ms = 100
+        [[condition.target]]
+        channel = "rate"
+        file = "targets/psth.csv"
+        column = "rate_lv{l_over_v}_mean"
+        interpolate = true
+        [[condition.target]]
+        law = "rest"
+        channel = "smp"
+    """).conditions
+    for condition, values in ((first, [1, 3]), (second, [2, 4])):
+        stimulus = condition.render()
+        rate, rest = (target.on(stimulus) for target in condition.targets)
+        time = np.asarray(stimulus.time)
+        np.testing.assert_allclose(rate.values, np.interp(time, [-400, 0], values))
+        np.testing.assert_array_equal(rate.scale, time <= 0)
+        assert rest.channel == "smp"
+        np.testing.assert_array_equal(rest.values, 0.5)
+
+
+def test_images_are_found_beside_the_protocol(load, tmp_path):
+    iio.imwrite(tmp_path / "lawn.png", np.arange(64, dtype=np.uint8).reshape(8, 8))
+    (condition,) = load("""
+        [[condition]]
+        name = "a"
+        family = "looming"
+        background = { kind = "photograph", image = "lawn.png" }
+    """).conditions
+    np.testing.assert_allclose(condition.parameters["background"].image, np.arange(64).reshape(8, 8))
+
+
+def test_rendering_is_the_family_under_the_name_of_the_condition(load):
+    (condition,) = load("""
+        [[condition]]
+        name = "mine"
+        family = "looming"
+        l_over_v = 40
+        contrast = -0.9
+        start_ms = -300
+        end_ms = 0
+    """).conditions
+    stimulus = condition.render()
+    direct = stimuli.looming(EYE, l_over_v=40, contrast=-0.9, start_ms=-300.0, end_ms=0.0)
+    assert stimulus.name == "mine"
+    np.testing.assert_array_equal(stimulus.frames, direct.frames)
+    np.testing.assert_array_equal(stimulus.time, direct.time)
+
+
+def test_a_camera_films_the_stimulus_by_its_seed(load):
+    conditions = load("""
+        [[condition]]
+        name = "{camera[seed]}"
+        family = "looming"
+        l_over_v = 40
+        contrast = -0.9
+        start_ms = -300
+        end_ms = 0
+        camera = { noise = 3, seed = [1, 2] }
+    """).conditions
+    one, two = (np.asarray(condition.render().frames) for condition in conditions)
+    plain = stimuli.looming(EYE, l_over_v=40, contrast=-0.9, start_ms=-300.0, end_ms=0.0)
+    direct = stimuli.camera(plain, jax.random.key(1), noise=3)
+    np.testing.assert_array_equal(one, direct.frames)
+    assert np.any(one != two)
+    np.testing.assert_array_equal(one, conditions[0].render().frames)
+
+
+def test_what_does_not_make_a_stimulus_names_its_condition(load, untyped):
+    (condition,) = load("[[condition]]\nname = 'x'\nfamily = 'looming'\nl_over_v = -1\ncontrast = -0.9").conditions
+    with pytest.raises(ValueError, match=r"^condition 'x': l_over_v is -1"):
+        condition.render()
+
+
+MISTAKES = {
+    "[[condition]\n": r"trial\.toml is not a TOML file: .*line 6",
+    "": "no conditions; write each as a table under",
+    "[condition]": "no conditions",
+    "[[conditions]]": "unknown key 'conditions'; did you mean 'condition'",
+    "[[condition]]\nname = 'a'": r"condition 1 \(a\): family is missing",
+    "[[condition]]\nfamily = 'looming'": r"condition 1 \(without a name\): name is missing",
+    "[[condition]]\nname='a'\nfamily='loming'": r"condition 1 \(a\): family is 'loming'; choose 'looming' or",
+    "[[condition]]\nname='a'\nfamily='looming'\nl_ovr_v=40": r"\(a\): unknown key 'l_ovr_v'; did you mean 'l_over_v'",
+    "[[condition]]\nname='a'\nfamily='looming'\ntargets=3": "unknown key 'targets'; did you mean 'target'",
+    "[[condition]]\nname='a'\nfamily='looming'\ntarget=3": "target is not a list of tables",
+    "[[condition]]\nname='a'\nfamily='looming'\nl_over_v=[]": "l_over_v is an empty list",
+    "[[condition]]\nname='a'\nfamily='looming'\nl_over_v=[[1, 2]]": r"l_over_v is \[1, 2\]; give a number",
+    "[[condition]]\nname='a'\nfamily='looming'\nl_over_v='fast'": "l_over_v is 'fast'; give a number",
+    "[[condition]]\nname='a'\nfamily='looming'\nl_over_v=true": "l_over_v is True",
+    "[[condition]]\nname='a'\nfamily='looming'\nl_over_v={a=1}": "l_over_v is the table",
+    "[[condition]]\nname='a'\nfamily='looming'\nshape=3": "shape is 3; give a text",
+    "[[condition]]\nname='a'\nfamily='looming'\nchecks=2.5": "checks is 2.5; give a whole number",
+    "[[condition]]\nname='a'\nfamily='looming'\nbackground={image='brick'}": "background has kind None; choose",
+    "[[condition]]\nname='a'\nfamily='looming'\nbackground={kind='foto'}": "kind 'foto'; choose 'photograph' or",
+    "[[condition]]\nname='a'\nfamily='looming'\nbackground={kind='photograph', imgae='a'}": (
+        "background: unknown key 'imgae'; did you mean 'image'"
+    ),
+    "[[condition]]\nname='a'\nfamily='looming'\ndistance={kind='tabulated', time_ms=[[0, 1]]}": (
+        "distance: distance is missing"
+    ),
+    "[[condition]]\nname='a'\nfamily='looming'\ndistance={kind='tabulated', time_ms=[['a']], distance=[[1]]}": (
+        "distance: .*'a'"
+    ),
+    "[[condition]]\nname='a'\nfamily='looming'\ncamera=3": "camera is 3; write it as a table",
+    "[[condition]]\nname='a'\nfamily='looming'\ncamera={nose=3}": "unknown key 'nose'; did you mean 'noise'",
+    "[[condition]]\nname='a'\nfamily='looming'\ncamera={seed=-1}": "seed is -1; give a whole number",
+    "[[condition]]\nname='a'\nfamily='looming'\neye={fsp=3}": "unknown key 'fsp'; did you mean 'fps'",
+    "[[condition]]\nname='a'\nfamily='looming'\neye={fps=-3}": "eye: fps is -3",
+    "[[condition]]\nname='a'\nfamily='looming'\neye={fps='x'}": "fps is 'x'; give a number",
+    "[[condition]]\nname='a'\nfamily='looming'\neye={preset='fly'}": "eye: eye is 'fly'",
+    "[[condition]]\nname='a {spped}'\nfamily='translating'": r"a placeholder of 'a \{spped\}' is not filled",
+    "[[condition]]\nname='a {'\nfamily='looming'": r"'a \{' is not a format string",
+    "[[condition]]\nname='a {}'\nfamily='looming'": r"a placeholder of 'a \{\}' is not filled",
+    "[[condition]]\nname='a'\nfamily='looming'\n[[condition.target]]\ncolumn='{speed}'": r"placeholder of '\{speed\}'",
+    "[[condition]]\nname='a'\nfamily='looming'\n[[condition.target]]\nchannel='smp'": (
+        r"condition 1 \(a\): target 1: there is no source; give one of file, spikes, law, model"
+    ),
+    "[[condition]]\nname='a'\nfamily='looming'\n[[condition.target]]\nfile='n.csv'\nchannel='smp'\ncolumn='x'": (
+        r"condition 1 \(a\): target 1: file is 'n.csv', which cannot be read"
+    ),
+    "[[condition]]\nname='a'\nfamily='looming'\n[[condition.target]]\nlaw='rest'\nchanel='smp'": (
+        r"\(a\): target 1: unknown key 'chanel'; did you mean 'channel'"
+    ),
+    "[[condition]]\nname='a'\nfamily='looming'\nl_over_v=[1, 2]": "2 conditions are named 'a'; .*placeholders",
+    "[[condition]]\nname='a'\nfamily='looming'\n[[condition]]\nname='a'\nfamily='receding'": "2 conditions are named",
+    "[[condition]]\nname='a'\nfamily='looming'\n[[condition]]\nname='b'\nfamily='lomi'": r"condition 2 \(b\): family",
+}
+
+
+@pytest.mark.parametrize("text", MISTAKES)
+def test_mistakes_are_named_in_one_line(load, untyped, text):
+    with pytest.raises(ValueError, match=MISTAKES[text]) as caught:
+        load(text)
+    assert "trial.toml" in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_an_eye_is_needed(load, untyped):
+    with pytest.raises(ValueError, match="no eye; give the protocol an"):
+        load("[[condition]]\nname = 'a'\nfamily = 'looming'", eye="")
+    with pytest.raises(ValueError, match="eye: fps is missing"):
+        load("[[condition]]\nname='a'\nfamily='looming'", eye="[eye]\nrows=12\ncols=16\ndegrees_per_pixel=2\n")
+
+
+def test_files_that_cannot_be_read(tmp_path):
+    with pytest.raises(FileNotFoundError, match="no such file"):
+        load_protocol(tmp_path / "nothing.toml")
+    with pytest.raises(FileNotFoundError, match="is a folder"):
+        load_protocol(tmp_path)
+    (tmp_path / "picture.toml").write_bytes(b"\x89PNG\xff")
+    with pytest.raises(ValueError, match=r"picture\.toml is not a TOML file"):
+        load_protocol(tmp_path / "picture.toml")

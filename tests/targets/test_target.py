@@ -1,0 +1,199 @@
+"""Targets on the frames of a stimulus: what is interpolated, what counts, and what is refused."""
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from lgmd2jax._targets.target import CHANNELS, AnyTarget, Target
+from lgmd2jax._targets.weighted import Weighted
+from lgmd2jax.stimuli import Stimulus
+
+FRAMES = np.arange(-5, 6) * 10.0
+STIMULUS = Stimulus(jnp.zeros((11, 3, 3)), 100.0, jnp.asarray(FRAMES))
+CURVE = np.sin(FRAMES / 20)
+
+
+def test_a_value_a_frame():
+    target = Target("smp", CURVE, weight=4).on(STIMULUS)
+    np.testing.assert_array_equal(target.values, CURVE)
+    np.testing.assert_array_equal(target.time, FRAMES)
+    np.testing.assert_array_equal(target.scale, np.full(11, 2.0))
+    assert not target.has_error
+    assert target.thinning == 1
+
+
+def test_what_stands_on_the_frames_stays_there():
+    once = Target("rate", CURVE, time=FRAMES, error=CURVE + 2, sem=CURVE + 3, weight=FRAMES > 0, correlation_ms=71)
+    twice = once.on(STIMULUS).on(STIMULUS)
+    for name in ("values", "time", "error", "sem", "weight"):
+        np.testing.assert_array_equal(getattr(twice, name), getattr(once, name))
+
+
+def test_a_target_is_one_of_its_own_kind():
+    assert isinstance(Target("smp", CURVE), AnyTarget)
+    assert isinstance(Weighted(Target("smp", CURVE)), AnyTarget)
+
+
+@pytest.mark.parametrize("kind", [list, tuple, jnp.asarray, np.float32, np.asarray])
+def test_any_array_will_do(kind):
+    np.testing.assert_allclose(Target("smp", kind(CURVE)).on(STIMULUS).values, CURVE, rtol=1e-6)
+
+
+def test_interpolation_is_linear_and_weighs_nothing_outside():
+    time = np.array([-33.0, -12.0, 4.0, 31.0])
+    target = Target("rate", [1.0, 5, 2, 8], time, sem=[0.1, 0.5, 0.2, 0.8], weight=[4, 4, 9, 9], interpolate=True)
+    seen = target.on(STIMULUS)
+    inside = (FRAMES >= -33) & (FRAMES <= 31)
+    np.testing.assert_array_equal(seen.weight > 0, inside)
+    # By hand: -20 lies 13 of 21 ms behind -33, 10 lies 6 of 27 ms behind 4.
+    np.testing.assert_allclose(seen.values[[3, 6]], [1 + 4 * 13 / 21, 2 + 6 * 6 / 27])
+    assert seen.sem is not None
+    np.testing.assert_allclose(seen.sem, seen.values / 10)
+    np.testing.assert_allclose(seen.scale[6], 3 / seen.sem[6])
+    assert np.all(seen.scale[~inside] == 0)
+
+
+def test_nothing_is_known_beside_a_value_that_does_not_count():
+    spoilt = [1.0, 1e6, 3, 4]
+    seen = Target("rate", spoilt, [-40.0, -15, 10, 35], weight=[1, 0, 1, 1], interpolate=True).on(STIMULUS)
+    np.testing.assert_array_equal(FRAMES[seen.weight > 0], [-40, 10, 20, 30])
+    assert np.max(seen.values[seen.weight > 0]) < 4
+
+
+def test_an_error_goes_before_the_recorded_one():
+    sem = np.linspace(1, 2, 11)
+    assert Target("rate", CURVE, sem=sem).has_error
+    assert Target("rate", CURVE, error=3).has_error
+    np.testing.assert_allclose(Target("rate", CURVE, sem=sem, weight=4).scale, 2 / sem)
+    np.testing.assert_allclose(Target("rate", CURVE, sem=sem, error=3.0, weight=4).on(STIMULUS).scale, 2 / 3)
+    np.testing.assert_allclose(Target("rate", CURVE, error=sem).on(STIMULUS).scale, 1 / sem)
+
+
+def test_a_standard_error_of_zero_matters_where_it_counts(untyped):
+    sem = np.where(FRAMES == 20, 0.0, 1.0)
+    with pytest.raises(ValueError, match=r"sem\[7\] is 0; give a positive number, or an error that replaces it"):
+        _ = Target("rate", CURVE, sem=sem).on(STIMULUS).scale
+    np.testing.assert_array_equal(Target("rate", CURVE, sem=sem, weight=sem).scale, sem)
+    np.testing.assert_array_equal(Target("rate", CURVE, sem=sem, error=1.0).scale, 1)
+
+
+def test_thinning_counts_the_frames_of_a_sample():
+    assert Target("rate", CURVE, correlation_ms=71).on(STIMULUS).thinning == pytest.approx(7.1)
+    assert Target("rate", CURVE, correlation_ms=4).on(STIMULUS).thinning == 1
+
+
+def test_rounded_times_are_those_of_the_frames():
+    time = np.arange(-72, 26) * 1000 / 60
+    stimulus = Stimulus(jnp.zeros((98, 3, 3)), 60.0, jnp.asarray(time))
+    rounded = [float(f"{moment:.6g}") for moment in time]
+    np.testing.assert_array_equal(Target("smp", time, rounded).on(stimulus).time, time)
+
+
+@pytest.mark.parametrize(
+    ("time", "message"),
+    [
+        (FRAMES[1:], "the target has 10 values and the stimulus 11 frames"),
+        (FRAMES + 0.5, "has a value at -49.5 ms where the stimulus has a frame at -50 ms; set interpolate = true"),
+        (FRAMES * 2, "has a value at -100 ms where the stimulus has a frame at -50 ms"),
+    ],
+)
+def test_another_grid_is_refused_unless_it_may_be_interpolated(time, message):
+    with pytest.raises(ValueError, match=message):
+        Target("smp", np.ones(time.size), time).on(STIMULUS)
+    np.testing.assert_array_equal(Target("smp", np.ones(time.size), time, interpolate=True).on(STIMULUS).values, 1)
+
+
+def test_another_length_is_refused():
+    with pytest.raises(ValueError, match="10 values and the stimulus 11 frames; give one a frame, or times"):
+        Target("smp", CURVE[1:], interpolate=True).on(STIMULUS)
+
+
+def test_a_target_beside_the_stimulus_is_refused():
+    with pytest.raises(ValueError, match="covers 60 to 160 ms: no frame of the stimulus, -50 to 50 ms"):
+        Target("smp", CURVE, FRAMES + 110, interpolate=True).on(STIMULUS)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"channel": "spike"}, "channel is 'spike'; choose 'spikes' or"),
+        ({"values": [[1.0]]}, r"values has shape \(1, 1\)"),
+        ({"values": []}, r"values has shape \(0,\)"),
+        ({"values": ["a"]}, r"a target holds \['a'\]; give numbers"),
+        ({"values": np.where(FRAMES == 0, np.nan, 1)}, r"values\[5\] is nan; give a finite number"),
+        ({"time": FRAMES[1:]}, r"time has shape \(10,\) and values \(11,\)"),
+        ({"time": -FRAMES}, r"time\[1\] is 40; give times that increase"),
+        ({"time": np.zeros(11)}, "give times that increase"),
+        ({"sem": -np.ones(11)}, r"sem\[0\] is -1; give 0 or more"),
+        ({"sem": np.ones(3)}, r"sem has shape \(3,\)"),
+        ({"error": 0}, "error is 0; give a positive number"),
+        ({"error": -1}, "error is -1; give a positive number"),
+        ({"error": np.where(FRAMES == 0, -2.0, 1)}, r"error\[5\] is -2"),
+        ({"error": np.inf}, "error is inf"),
+        ({"weight": -1}, "weight is -1; give 0 or more"),
+        ({"weight": np.nan}, "weight is nan"),
+        ({"weight": None}, "weight is nan"),
+        ({"correlation_ms": -1}, "correlation_ms is -1 ms; give 0 or more"),
+        ({"correlation_ms": np.nan}, "correlation_ms is nan"),
+    ],
+)
+def test_what_cannot_be_is_refused(change, message, untyped):
+    with pytest.raises(ValueError, match=message) as caught:
+        Target(**{"channel": "smp", "values": CURVE} | change)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_window_counts_with_its_ends():
+    target = Weighted(Target("smp", CURVE, weight=2), weight=8, from_ms=-10, until_ms=20).on(STIMULUS)
+    np.testing.assert_array_equal(target.scale, np.where((FRAMES >= -10) & (FRAMES <= 20), 4.0, 0.0))
+    half = Weighted(Target("smp", CURVE), from_ms=30).on(STIMULUS)
+    np.testing.assert_array_equal(FRAMES[half.weight > 0], [30, 40, 50])
+
+
+def test_a_weighting_takes_the_place_of_the_targets_own():
+    own = Target("rate", CURVE, sem=np.zeros(11), correlation_ms=100)
+    target = Weighted(own, error=4, correlation_ms=50).on(STIMULUS)
+    np.testing.assert_array_equal(target.scale, 0.25)
+    assert target.thinning == 5
+    assert Weighted(own, error=4).on(STIMULUS).thinning == 10
+    assert Weighted(Target("rate", CURVE, error=2), weight=4).on(STIMULUS).scale[0] == 1
+
+
+def test_a_curve_may_be_drawn_without_counting():
+    assert not Weighted(Target("smp", CURVE), weight=0).on(STIMULUS).scale.any()
+    assert not Target("smp", CURVE, FRAMES, weight=0, interpolate=True).on(STIMULUS).scale.any()
+
+
+@pytest.mark.parametrize(
+    ("window", "message"),
+    [
+        ({"from_ms": 60}, "from_ms 60 to until_ms inf holds no frame that counts; the stimulus covers -50 to 50 ms"),
+        ({"until_ms": -60}, "from_ms -inf to until_ms -60 holds no frame"),
+        ({"from_ms": 1, "until_ms": 9}, "holds no frame"),
+        ({"from_ms": 40}, "holds no frame that counts"),
+    ],
+)
+def test_a_window_without_frames_is_refused(window, message):
+    covered = Target("smp", CURVE, FRAMES - 20, interpolate=True)
+    with pytest.raises(ValueError, match=message):
+        Weighted(covered, **window).on(STIMULUS)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"error": 0}, "error is 0; give a positive number"),
+        ({"error": np.nan}, "error is nan"),
+        ({"weight": -2}, "weight is -2; give 0 or more"),
+        ({"from_ms": 5, "until_ms": 2}, "from_ms is 5 and until_ms 2; the window must have an extent"),
+        ({"from_ms": np.nan}, "from_ms is nan"),
+        ({"correlation_ms": -3}, "correlation_ms is -3 ms"),
+    ],
+)
+def test_a_weighting_that_cannot_be_is_refused(change, message):
+    with pytest.raises(ValueError, match=message):
+        Weighted(Target("smp", CURVE), **change)
+
+
+def test_channels_are_those_of_a_response():
+    assert CHANNELS == ("smp", "smp_adapted", "spikes", "rate")
