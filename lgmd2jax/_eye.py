@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, ScalarLike
 
-from lgmd2jax._network.parameters import nearest
+from lgmd2jax._words import nearest
 
 PROJECTIONS = ("equidistant", "pinhole")
 _EDGE = 89.0  # degrees; what is seen further from the axis lies outside of every flat image

@@ -15,7 +15,7 @@ from lgmd2jax._characterise.exam import Exam, Sums, at_rate
 from lgmd2jax._characterise.extremes import largest
 from lgmd2jax._characterise.trials import REFERENCE, textured
 from lgmd2jax._network.abstract import Network, channels
-from lgmd2jax._peaks import vertex
+from lgmd2jax._signals import vertex
 
 _REST_MS = 200.0  # last part of the lead-in, whose mean is rest
 _WEAKEST = 0.05  # of SMP for the reference, of R for any other peak: what is smaller is no peak

@@ -9,15 +9,14 @@ from lgmd2jax._characterise.curves import Curves, highest, integral, peak, rise,
 from lgmd2jax._characterise.extremes import largest, least
 from lgmd2jax._characterise.row import SAME, Line, row
 from lgmd2jax._characterise.trials import L_OVER_V, REFERENCE
-from lgmd2jax._peaks import line_through
+from lgmd2jax._signals import line_through
+from lgmd2jax._types import Scalar
 
 _ALLOWANCE = 25.0  # ms, for delta, so that rows do not lean on their own fit; a frame is added to it
 LOOMS = tuple(trials.loom(it) for it in L_OVER_V)
 _SPEEDS = np.array(L_OVER_V)
 _SLOW = _SPEEDS >= 20
 _STRONG = tuple(trials.contrast(it) for it in trials.CONTRASTS if it <= -0.3)
-
-Scalar = Float[Array, ""]
 
 
 def peak_leads(it: Curves, *names: str) -> Float[Array, " trial"]:

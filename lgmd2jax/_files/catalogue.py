@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from lgmd2jax._files.atomic import read_toml
-from lgmd2jax._network.parameters import nearest
+from lgmd2jax._words import nearest
 
 Content = TypeVar("Content")
 _PACKAGE = Path(__file__).parents[1]

@@ -10,8 +10,9 @@ from lgmd2jax._files.catalogue import locate
 from lgmd2jax._handover.model_file import load
 from lgmd2jax._network.abstract import AnyNetwork, Network
 from lgmd2jax._network.lgmd2 import LGMD2
-from lgmd2jax._network.parameters import PRESETS, nearest, preset, symbols
+from lgmd2jax._network.parameters import PRESETS, preset, symbols
 from lgmd2jax._network.yue_rind import YueRindLGMD1
+from lgmd2jax._words import nearest
 
 _PRESET, _YUE_RIND = "preset:", "yue_rind"
 

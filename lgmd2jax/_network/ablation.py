@@ -7,8 +7,8 @@ import jax.numpy as jnp
 
 from lgmd2jax._network.abstract import AnyNetwork, Network
 from lgmd2jax._network.lgmd2 import LGMD2
-from lgmd2jax._network.parameters import nearest
 from lgmd2jax._network.yue_rind import YueRindLGMD1
+from lgmd2jax._words import nearest
 
 ABLATIONS: Mapping[str, Mapping[str, float]] = {
     "ffi": {"T_ffi": 1e9},

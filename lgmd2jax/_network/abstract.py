@@ -14,10 +14,9 @@ from jaxtyping import Array, Float, Real
 
 from lgmd2jax._eye import Eye
 from lgmd2jax._network import retina
-from lgmd2jax._network.parameters import check_domains, declared, is_concrete
-from lgmd2jax._network.pixels import cast
-from lgmd2jax._network.retina import Map
-from lgmd2jax._network.thresholds import Scalar, Thresholds
+from lgmd2jax._network.parameters import check_domains, declared
+from lgmd2jax._network.thresholds import Thresholds
+from lgmd2jax._types import Map, Number, Scalar, cast, is_concrete
 
 
 class State(eqx.Module):
@@ -46,9 +45,6 @@ class Response(eqx.Module):
     spikes: Float[Array, " *time"]
     collision: Float[Array, " *time"]
     recorded: Any = None
-
-
-Number = float | int | np.number | Real[Array | np.ndarray, ""]
 
 
 Record = Callable[[Any], Any]  # from the layers of a frame to what is kept of them

@@ -8,10 +8,11 @@ from lgmd2jax._eye import Eye
 from lgmd2jax._network.abstract import Network
 from lgmd2jax._network.lobula import CellState, cell_step
 from lgmd2jax._network.low_pass import LOW_PASS_FORMS, LowPass
-from lgmd2jax._network.parameters import Parameters, nearest
+from lgmd2jax._network.parameters import Parameters
 from lgmd2jax._network.pixels import PixelState, Traces, pixel_step
 from lgmd2jax._network.sensitivity import potentials
 from lgmd2jax._network.thresholds import Hard, Thresholds
+from lgmd2jax._words import nearest
 
 
 class LGMD2(Network):

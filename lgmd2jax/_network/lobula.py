@@ -8,7 +8,8 @@ from jaxtyping import Array, Float
 from lgmd2jax._network.low_pass import LowPass, coefficient, low_pass
 from lgmd2jax._network.parameters import Parameters
 from lgmd2jax._network.retina import magnitude
-from lgmd2jax._network.thresholds import Scalar, Thresholds
+from lgmd2jax._network.thresholds import Thresholds
+from lgmd2jax._types import Scalar
 
 
 class CellState(eqx.Module):

@@ -7,8 +7,8 @@ from jaxtyping import Array, Float
 
 from lgmd2jax._network.maps import Bordered, inside
 from lgmd2jax._network.parameters import Parameters
-from lgmd2jax._network.retina import Map
 from lgmd2jax._network.thresholds import Thresholds
+from lgmd2jax._types import Map
 
 
 def lateral(d: Bordered) -> Map:

@@ -2,7 +2,6 @@
 
 import abc
 import dataclasses
-import difflib
 from collections.abc import Mapping
 from typing import Literal, NamedTuple
 
@@ -10,8 +9,10 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax.core import Tracer
 from jaxtyping import Array, Float
+
+from lgmd2jax._types import is_concrete
+from lgmd2jax._words import nearest
 
 _TABLE_I = "Fu, Hu & Yue, Table I"
 
@@ -242,13 +243,6 @@ def declared(kind: type[eqx.Module]) -> dict[str, Symbol]:
     return {field.name: field.metadata["symbol"] for field in dataclasses.fields(kind)}
 
 
-def is_concrete(*values) -> bool:
-    """Whether all values can be looked at: arrays or numbers, and not what stands for them while JAX traces."""
-    return all(isinstance(value, (int, float, np.generic, np.ndarray, jax.Array)) for value in values) and not any(
-        isinstance(value, Tracer) for value in values
-    )
-
-
 def check_domains(owner: eqx.Module) -> None:
     """Raise `ValueError` for the first concrete value of a field that lies outside the domain declared with it."""
     for name, symbol in declared(type(owner)).items():
@@ -280,9 +274,3 @@ def preset(name: str, **changes: float | int) -> Parameters:
     if name not in PRESETS:
         raise ValueError(f"preset is {name!r}; choose {nearest(name, PRESETS)}")
     return Parameters(**{**PRESETS[name], **changes})
-
-
-def nearest(name: str, known) -> str:
-    """The valid names, the likeliest first, for an error message."""
-    names = sorted(known, key=lambda other: -difflib.SequenceMatcher(None, str(name), other).ratio())
-    return " or ".join(repr(other) for other in names)

@@ -14,11 +14,8 @@ from jaxtyping import Array, Float
 
 from lgmd2jax._network import medulla, retina
 from lgmd2jax._network.low_pass import coefficient, low_pass
-from lgmd2jax._network.maps import Bordered, bordered, inside
-from lgmd2jax._network.pool import pool
-from lgmd2jax._network.retina import Map
-
-Scalar = Float[Array, ""]
+from lgmd2jax._network.maps import Bordered, bordered, inside, pool
+from lgmd2jax._types import Map, Scalar, cast
 
 
 class Traces(eqx.Module):
@@ -144,8 +141,3 @@ def gate_and_pool(model, s: Map) -> tuple[Scalar, Map]:
     """Eqs 9 and 11: MP, and S' on the way to it."""
     s_gated = medulla.gate(s, model.parameters.T_s.astype(s.dtype), model.thresholds)
     return pool(s_gated), s_gated
-
-
-def cast(tree, dtype):
-    """All leaves in this dtype."""
-    return jax.tree.map(lambda leaf: leaf.astype(dtype), tree)

@@ -3,7 +3,7 @@
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-Map = Float[Array, "row col"]
+from lgmd2jax._types import Map
 
 
 def persistence(u: Float[Array, ""], n_p: int) -> Float[Array, " n_p"]:

@@ -20,13 +20,12 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array
 
-from lgmd2jax._network.maps import bordered, inside
+from lgmd2jax._network.maps import bordered, inside, pool
 from lgmd2jax._network.medulla import lateral
 from lgmd2jax._network.parameters import symbols
 from lgmd2jax._network.pixels import (
     Record,
     Traces,
-    cast,
     change,
     gate_and_pool,
     mean_change,
@@ -35,7 +34,7 @@ from lgmd2jax._network.pixels import (
     scan_sums,
     sum_flows,
 )
-from lgmd2jax._network.pool import pool
+from lgmd2jax._types import cast
 
 
 def potentials(model, frames, interval, record: Record | None = None) -> tuple[Array, Array, Any]:

@@ -11,10 +11,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from lgmd2jax._network.parameters import _scalar, is_concrete
-from lgmd2jax._network.retina import Map
-
-Scalar = Float[Array, ""]
+from lgmd2jax._network.parameters import _scalar
+from lgmd2jax._types import Map, Scalar, is_concrete
 
 
 class Widths(eqx.Module):

@@ -13,12 +13,11 @@ from lgmd2jax._eye import Eye
 from lgmd2jax._network import medulla, retina
 from lgmd2jax._network.abstract import Network
 from lgmd2jax._network.lobula import membrane_potential
-from lgmd2jax._network.maps import bordered
+from lgmd2jax._network.maps import bordered, pool
 from lgmd2jax._network.parameters import Levels, ParameterSet, _scalar, _symbol
-from lgmd2jax._network.pixels import cast, scan_pixels
-from lgmd2jax._network.pool import pool
-from lgmd2jax._network.retina import Map
-from lgmd2jax._network.thresholds import Hard, Scalar, Thresholds
+from lgmd2jax._network.pixels import scan_pixels
+from lgmd2jax._network.thresholds import Hard, Thresholds
+from lgmd2jax._types import Map, Scalar, cast
 
 _SOURCE = "Yue & Rind 2006, the value that public codes agree on; bounds are this project's"
 _PRIOR = "1 in Yue & Rind 2006, who have no such factor; bounds as of the LGMD2"

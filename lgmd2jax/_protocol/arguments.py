@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 from typing import Any
 
-from lgmd2jax._network.parameters import nearest
+from lgmd2jax._words import nearest
 from lgmd2jax.stimuli import BACKGROUNDS, DISTANCES
 
 _KINDS = {**BACKGROUNDS, **DISTANCES}

@@ -10,11 +10,11 @@ import jax
 
 from lgmd2jax._eye import Eye
 from lgmd2jax._files.catalogue import read_named
-from lgmd2jax._network.parameters import nearest
 from lgmd2jax._protocol.arguments import arguments, check_complete, check_keys, keywords
 from lgmd2jax._protocol.placeholders import expand, fill
 from lgmd2jax._protocol.target_table import target
 from lgmd2jax._targets.target import AnyTarget
+from lgmd2jax._words import nearest
 from lgmd2jax.stimuli import FAMILIES, Stimulus, camera
 
 _CONDITION_KEYS = ("name", "family", "eye", "camera", "target")

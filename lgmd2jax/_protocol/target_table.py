@@ -9,7 +9,6 @@ import equinox as eqx
 import jax
 
 from lgmd2jax._handover.named import model_named, with_parameters
-from lgmd2jax._network.parameters import nearest
 from lgmd2jax._network.thresholds import Soft
 from lgmd2jax._protocol.arguments import arguments, check_complete, check_keys, keywords, located
 from lgmd2jax._targets.csv_files import read_spike_trains, read_target
@@ -19,6 +18,7 @@ from lgmd2jax._targets.observation import Observation, observation_symbols
 from lgmd2jax._targets.rest import Onset, Rest
 from lgmd2jax._targets.target import AnyTarget
 from lgmd2jax._targets.weighted import Weighted
+from lgmd2jax._words import nearest
 
 Table = Mapping[str, Any]
 

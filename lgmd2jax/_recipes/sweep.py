@@ -11,11 +11,11 @@ from lgmd2jax._eye import Eye
 from lgmd2jax._files.catalogue import read_named
 from lgmd2jax._handover.named import model_named
 from lgmd2jax._network.abstract import Network
-from lgmd2jax._network.parameters import nearest
 from lgmd2jax._protocol.arguments import arguments, check_keys, keywords, section
 from lgmd2jax._protocol.protocol import eye_of
 from lgmd2jax._sweep.axes import read_grid
 from lgmd2jax._sweep.responses import SUMMARIES, check_channels
+from lgmd2jax._words import nearest
 from lgmd2jax.stimuli import FAMILIES
 
 _KEYS = ("kind", "model", "eye", "family", "stimulus", "parameters", "channels", "figure")

@@ -14,7 +14,9 @@ from jaxtyping import Array
 
 from lgmd2jax._eye import Eye
 from lgmd2jax._network.abstract import Network
-from lgmd2jax._network.parameters import is_concrete, nearest, symbols
+from lgmd2jax._network.parameters import symbols
+from lgmd2jax._types import is_concrete
+from lgmd2jax._words import nearest
 from lgmd2jax.stimuli import Stimulus
 from lgmd2jax.stimuli._probe import probe
 

@@ -11,9 +11,9 @@ import numpy as np
 from jaxtyping import Array
 
 from lgmd2jax._compute.batching import each
-from lgmd2jax._network.parameters import is_concrete
 from lgmd2jax._sweep.axes import Grid, Setup
 from lgmd2jax._sweep.responses import SUMMARIES, respond
+from lgmd2jax._types import is_concrete
 
 _PIXELS = 8e7  # times frames in a block, about a second on a core
 

@@ -11,8 +11,8 @@ from jaxtyping import Array, Float
 from lgmd2jax._compute.batching import each
 from lgmd2jax._eye import Eye
 from lgmd2jax._network.abstract import Response
-from lgmd2jax._network.parameters import nearest
 from lgmd2jax._sweep.axes import Models, Setup, read_grid
+from lgmd2jax._words import nearest
 
 # Channels of a response that have a value a frame, with unit and meaning.
 CHANNELS = {

@@ -6,9 +6,9 @@ import os
 
 import numpy as np
 
-from lgmd2jax._network.parameters import nearest
 from lgmd2jax._targets.spike_trains import SpikeTrains
 from lgmd2jax._targets.target import Channel, Target
+from lgmd2jax._words import nearest
 
 
 def read_target(

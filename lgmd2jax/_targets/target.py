@@ -7,7 +7,7 @@ import equinox as eqx
 import numpy as np
 from jaxtyping import Float
 
-from lgmd2jax._network.parameters import nearest
+from lgmd2jax._words import nearest
 from lgmd2jax.stimuli import Stimulus
 
 Channel = Literal["smp", "smp_adapted", "spikes", "rate"]

@@ -4,7 +4,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Float, Int
+
+from lgmd2jax._signals import stretches
 
 
 class Row(NamedTuple):
@@ -40,9 +42,3 @@ class Trace(NamedTuple):
     def alarms(self) -> list[tuple[int, int]]:
         """First and last row of every stretch in which the alarm is on."""
         return stretches(self.collision > 0)
-
-
-def stretches(on: Bool[np.ndarray, " time"]) -> list[tuple[int, int]]:
-    """First and last place of every run of truth."""
-    edges = np.flatnonzero(np.diff(on.astype(int), prepend=0, append=0))
-    return [(int(start), int(after) - 1) for start, after in zip(edges[::2], edges[1::2], strict=True)]

@@ -12,8 +12,8 @@ from lgmd2jax._eye import Eye
 from lgmd2jax._files.catalogue import read_named
 from lgmd2jax._protocol.arguments import check_keys, section
 from lgmd2jax._protocol.protocol import eye_of
+from lgmd2jax._signals import stretches
 from lgmd2jax._video.clip import open_clip, window_of
-from lgmd2jax._video.trace import stretches
 from lgmd2jax.alarms._decoded import Decoded, decoded
 from lgmd2jax.alarms._footage import Footage, check_stretches, footage
 from lgmd2jax.stimuli import Encounter, encounters

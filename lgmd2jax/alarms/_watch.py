@@ -11,7 +11,7 @@ import scipy
 from jaxtyping import Float
 
 from lgmd2jax._network.lgmd2 import LGMD2
-from lgmd2jax._video.trace import stretches
+from lgmd2jax._signals import stretches
 from lgmd2jax.alarms._footage import Footage, Stretch
 from lgmd2jax.alarms._reel import Reel, reels_of
 

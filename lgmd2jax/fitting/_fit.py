@@ -11,10 +11,10 @@ from jaxtyping import Array
 
 from lgmd2jax._compute.tasks import Memory, Stop, Work
 from lgmd2jax._network.abstract import Network
-from lgmd2jax._network.parameters import nearest
 from lgmd2jax._network.thresholds import Soft, StraightThrough
 from lgmd2jax._targets.observation import Observation, observation_symbols
 from lgmd2jax._targets.target import Target
+from lgmd2jax._words import nearest
 from lgmd2jax.fitting import _descent
 from lgmd2jax.fitting._conditions import Given, rendered
 from lgmd2jax.fitting._descent import ENDED, STOPPED, Run, Solver

@@ -10,9 +10,10 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from lgmd2jax._network.parameters import Parameters, ParameterSet, Symbol, nearest, symbols
+from lgmd2jax._network.parameters import Parameters, ParameterSet, Symbol, symbols
 from lgmd2jax._network.yue_rind import YueRindParameters
 from lgmd2jax._targets.observation import Observation, observation_symbols
+from lgmd2jax._words import nearest
 
 
 @dataclasses.dataclass(frozen=True)

@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.optimize import least_squares
 
-from lgmd2jax._peaks import line_through, vertex
+from lgmd2jax._signals import line_through, vertex
 from lgmd2jax._targets.looming_law import LoomingLaw, course
 from lgmd2jax._targets.observation import Observation
 from lgmd2jax._targets.target import Channel, Target

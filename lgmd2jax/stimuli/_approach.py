@@ -1,18 +1,17 @@
 """Objects that come and go in depth: looming, receding, approach and recession."""
 
 import jax.numpy as jnp
-from jaxtyping import Array, Float, ScalarLike
+from jaxtyping import ScalarLike
 
 from lgmd2jax._eye import Eye
+from lgmd2jax._types import Scalar, Times
 from lgmd2jax.stimuli._arguments import number
 from lgmd2jax.stimuli._background import Background
 from lgmd2jax.stimuli._course import Course, course
 from lgmd2jax.stimuli._distance import Distance
 from lgmd2jax.stimuli._family import family
-from lgmd2jax.stimuli._scene import Path, Times, behind, boxes, look, place, show
+from lgmd2jax.stimuli._scene import Path, behind, boxes, look, place, show
 from lgmd2jax.stimuli._stimulus import Stimulus, frame_times
-
-Scalar = Float[Array, ""]
 
 
 class _Approach(Path):

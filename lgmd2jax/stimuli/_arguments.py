@@ -8,7 +8,8 @@ import numpy as np
 from jaxtyping import Array, Float, ScalarLike
 
 from lgmd2jax._eye import Eye
-from lgmd2jax._network.parameters import is_concrete, nearest
+from lgmd2jax._types import is_concrete
+from lgmd2jax._words import nearest
 from lgmd2jax.stimuli._probe import note_unit
 
 

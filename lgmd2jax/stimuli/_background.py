@@ -9,10 +9,9 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from lgmd2jax._eye import Eye
+from lgmd2jax._types import Map
 from lgmd2jax.stimuli import _texture as texture
 from lgmd2jax.stimuli._arguments import number
-
-Map = Float[Array, "row col"]
 
 
 class Background(eqx.Module):

@@ -4,14 +4,12 @@ import abc
 
 import equinox as eqx
 import jax.numpy as jnp
-from jaxtyping import Array, Float, ScalarLike
+from jaxtyping import ScalarLike
 
 from lgmd2jax._eye import Eye
-from lgmd2jax._network.parameters import is_concrete
+from lgmd2jax._types import Scalar, Times, is_concrete
 from lgmd2jax.stimuli._arguments import fits, number, positive, together
-from lgmd2jax.stimuli._distance import AngleGrowth, ConstantVelocity, Distance, Times
-
-Scalar = Float[Array, ""]
+from lgmd2jax.stimuli._distance import AngleGrowth, ConstantVelocity, Distance
 
 _NEAREST = 1e-3  # half-sizes before a lens; what is nearer cannot be seen whole
 

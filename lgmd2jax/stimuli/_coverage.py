@@ -8,8 +8,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-Scalar = Float[Array, ""]
-Map = Float[Array, "row col"]
+from lgmd2jax._types import Map, Scalar
 
 _THINNEST = 1e-6  # pixels; what is thinner has no stripes
 

@@ -10,7 +10,8 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from lgmd2jax.stimuli._coverage import Map, Scalar, column_edges, row_edges
+from lgmd2jax._types import Map, Scalar
+from lgmd2jax.stimuli._coverage import column_edges, row_edges
 
 
 class Lines(eqx.Module):

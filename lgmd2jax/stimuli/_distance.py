@@ -10,13 +10,10 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from lgmd2jax._network.parameters import is_concrete
+from lgmd2jax._types import Scalar, Times, is_concrete
 from lgmd2jax.stimuli._arguments import positive
 
 _GRAVITY_CM = 981.0  # cm/s2
-
-Scalar = Float[Array, ""]
-Times = Float[Array, " time"]
 
 
 class Distance(eqx.Module):

@@ -2,17 +2,16 @@
 
 import equinox as eqx
 import jax.numpy as jnp
-from jaxtyping import Array, Float, ScalarLike
+from jaxtyping import ScalarLike
 
 from lgmd2jax._eye import Eye
+from lgmd2jax._types import Scalar
 from lgmd2jax.stimuli._arguments import extent_px
 from lgmd2jax.stimuli._background import Background
 from lgmd2jax.stimuli._family import family
 from lgmd2jax.stimuli._scene import Path, behind, look, show
 from lgmd2jax.stimuli._stimulus import Stimulus, frame_times
 from lgmd2jax.stimuli._way import Way, way
-
-Scalar = Float[Array, ""]
 
 
 class _Bar(Path):

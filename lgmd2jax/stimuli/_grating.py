@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Array, Float, ScalarLike
 
 from lgmd2jax._eye import Eye
-from lgmd2jax._network.parameters import is_concrete
+from lgmd2jax._types import is_concrete
 from lgmd2jax.stimuli._arguments import number, one_of, positive
 from lgmd2jax.stimuli._family import family
 from lgmd2jax.stimuli._stimulus import Stimulus, frame_times

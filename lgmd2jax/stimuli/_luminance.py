@@ -4,16 +4,15 @@ import dataclasses
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float, ScalarLike
+from jaxtyping import ScalarLike
 
 from lgmd2jax._eye import Eye
+from lgmd2jax._types import Scalar, Times
 from lgmd2jax.stimuli._arguments import number, positive
 from lgmd2jax.stimuli._background import Uniform
 from lgmd2jax.stimuli._family import family
-from lgmd2jax.stimuli._scene import Look, Path, Times, look, show
+from lgmd2jax.stimuli._scene import Look, Path, look, show
 from lgmd2jax.stimuli._stimulus import Stimulus, frame_times
-
-Scalar = Float[Array, ""]
 
 
 class _Middle(Path):

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, ScalarLike
 
 from lgmd2jax._eye import Eye
-from lgmd2jax._network.parameters import is_concrete
+from lgmd2jax._types import Times, is_concrete
 from lgmd2jax.stimuli import _coverage as coverage
 from lgmd2jax.stimuli._arguments import number, one_of
 from lgmd2jax.stimuli._background import Background, Uniform
@@ -17,7 +17,6 @@ from lgmd2jax.stimuli._stimulus import Stimulus
 
 SHAPES = ("disc", "square")
 
-Times = Float[Array, " time"]
 Boxes = Float[Array, "time 4"]
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Array, Float, ScalarLike
 
 from lgmd2jax._eye import Eye
-from lgmd2jax._network.parameters import is_concrete
+from lgmd2jax._types import is_concrete
 from lgmd2jax.stimuli._probe import note_window
 
 LEAD_MS = 500.0  # of rest before the first motion, and after the last

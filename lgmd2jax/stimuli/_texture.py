@@ -14,7 +14,8 @@ from jaxtyping import Array, Float
 from skimage.color import rgb2gray
 from skimage.util import img_as_float
 
-from lgmd2jax._network.parameters import is_concrete, nearest
+from lgmd2jax._types import Map, is_concrete
+from lgmd2jax._words import nearest
 
 # What scikit-image's wheel carries; the rest of its gallery would be downloaded.
 PHOTOGRAPHS = {
@@ -30,8 +31,6 @@ PHOTOGRAPHS = {
     "rocket": "rocket.jpg",
 }
 _TEXELS = 2  # for each pixel of the eye, so that interpolation between them hardly blurs
-
-Map = Float[Array, "row col"]
 
 
 def read(image) -> Float[Array, "height width"]:

@@ -2,14 +2,11 @@
 
 import equinox as eqx
 import jax.numpy as jnp
-from jaxtyping import Array, Float, ScalarLike
+from jaxtyping import Array, ScalarLike
 
 from lgmd2jax._eye import Eye
-from lgmd2jax._network.parameters import is_concrete
+from lgmd2jax._types import Scalar, Times, is_concrete
 from lgmd2jax.stimuli._arguments import number, positive, together
-from lgmd2jax.stimuli._scene import Times
-
-Scalar = Float[Array, ""]
 
 # Share of the way that is done after a share u of the time; the mean speed is the same for all.
 PROFILES = {

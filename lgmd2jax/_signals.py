@@ -1,10 +1,10 @@
-"""When a sampled curve peaks between its samples, and the line that peak times follow. For NumPy and for JAX."""
+"""Facts of sampled curves: peaks between samples, straight lines, stretches. For NumPy and for JAX."""
 
 from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float
 
 
 def vertex(before, at, after) -> Array:
@@ -20,3 +20,9 @@ def line_through(y: Float[Array | np.ndarray, " place"], x: Float[np.ndarray, " 
     slope = (y * centred).sum() / (centred**2).sum()
     intercept = y.mean() - slope * x.mean()
     return slope, intercept, y - slope * x - intercept
+
+
+def stretches(on: Bool[np.ndarray, " time"]) -> list[tuple[int, int]]:
+    """First and last place of every run of truth."""
+    edges = np.flatnonzero(np.diff(on.astype(int), prepend=0, append=0))
+    return [(int(start), int(after) - 1) for start, after in zip(edges[::2], edges[1::2], strict=True)]
