@@ -7,6 +7,36 @@ vmaps and differentiates; what shapes the result (window, names, number of check
 objects with the time to contact, and as many clips without one.
 """
 
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+from lgmd2jax.stimuli._approach import (
+    approach_recession as approach_recession,
+    looming as looming,
+    receding as receding,
+)
+from lgmd2jax.stimuli._background import (
+    BACKGROUNDS as BACKGROUNDS,
+    Background as Background,
+    Panorama as Panorama,
+    Photograph as Photograph,
+    Uniform as Uniform,
+)
+from lgmd2jax.stimuli._camera import camera as camera
+from lgmd2jax.stimuli._distance import (
+    DISTANCES as DISTANCES,
+    Distance as Distance,
+    Rolling as Rolling,
+    Tabulated as Tabulated,
+)
+from lgmd2jax.stimuli._elongation import elongating as elongating, shortening as shortening
+from lgmd2jax.stimuli._encounter import (
+    ENCOUNTERS as ENCOUNTERS,
+    Encounter as Encounter,
+    encounter as encounter,
+    encounters as encounters,
+)
+from lgmd2jax.stimuli._family import FAMILIES as FAMILIES
+from lgmd2jax.stimuli._grating import grating as grating
+from lgmd2jax.stimuli._luminance import luminance as luminance
+from lgmd2jax.stimuli._stimulus import Stimulus as Stimulus
+from lgmd2jax.stimuli._texture import PHOTOGRAPHS as PHOTOGRAPHS
+from lgmd2jax.stimuli._translation import translating as translating
+from lgmd2jax.stimuli._turning import turning as turning

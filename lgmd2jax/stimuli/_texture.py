@@ -5,7 +5,6 @@ import os
 import pathlib
 from collections.abc import Callable
 
-import imageio.v3 as iio
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -46,7 +45,9 @@ def read(image) -> Float[Array, "height width"]:
 
 @functools.lru_cache(maxsize=16)
 def _load(name: str) -> np.ndarray:
-    import skimage  # here, since most stimuli have no photograph and it takes long to load
+    # Here, since most stimuli have no photograph and these take long to load.
+    import imageio.v3 as iio
+    import skimage
     from skimage.color import rgb2gray
     from skimage.util import img_as_float
 

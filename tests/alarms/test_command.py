@@ -3,8 +3,10 @@
 import csv
 import json
 
+import imageio.v3 as iio
 import numpy as np
 import pytest
+from matplotlib.colors import to_rgb
 
 import lgmd2jax as lgmd
 from lgmd2jax import hard
@@ -126,13 +128,24 @@ def test_a_protocol_of_labelled_clips_is_no_protocol_of_stimuli(capsys):
         lgmd.load_protocol("video")
 
 
+def bars(path, colour, alpha):
+    """How many lines of a figure have a bar of this colour, longer than the legend's."""
+    pixels = iio.imread(path)[..., :3]
+    expected = 255 * (1 - alpha * (1 - np.array(to_rgb(colour))))
+    lines = np.all(np.abs(pixels - expected) < 2, axis=-1).sum(axis=1) > 60
+    return np.sum(np.diff(lines.astype(int)) == 1)
+
+
 def test_a_model_is_judged_on_clips_without_a_fit(place, capsys):
     files = place / "seen.csv", place / "seen.png"
     model = ["--model", str(place / "mine/model.json")]
     assert not main(["watch", str(place / "clips.toml"), *model, "--csv", str(files[0]), "--figure", str(files[1])])
     with open(files[0], newline="") as seen, open(place / "mine/clips.csv", newline="") as fitted:
         assert list(csv.reader(seen)) == list(csv.reader(fitted))[:-1]  # the last is the own clip
-    assert files[1].stat().st_size > 1000
+    eye = lgmd.Eye(12, 18, degrees_per_pixel=4.0, fps=30.0, projection="pinhole")
+    clips = list(rendered(eye, Rendered(6, seed=2)))
+    assert bars(files[1], "#009E73", 0.45) == sum(bool(clip.windows) for clip in clips)
+    assert bars(files[1], "#8c8c8c", 0.35) == sum(clip.in_silence().any() for clip in clips)
     assert "clip" in capsys.readouterr().out
 
 

@@ -25,8 +25,8 @@ def add(commands: argparse._SubParsersAction) -> None:
     parser = commands.add_parser(
         "characterise",
         help="measure 22 response properties of a looming-sensitive neuron on models",
-        description="Measure the 22 response properties of a looming-sensitive neuron on models, side by side, each "
-        "with its bound and the evidence for it.",
+        description="Measure the 22 response properties of a looming-sensitive neuron on models, side by side,\n"
+        "each with its bound and the evidence for it.",
         epilog=_EXAMPLES,
     )
     parser.add_argument("models", metavar="MODEL", nargs="+", help=MODEL_HELP)

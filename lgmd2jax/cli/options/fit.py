@@ -37,8 +37,8 @@ def add(commands: argparse._SubParsersAction) -> None:
     parser = commands.add_parser(
         "fit",
         help="fit a model to target curves, or to labelled clips",
-        description="Fit the free parameters of a recipe to its target curves or labelled clips, and hand over the "
-        "model with hard thresholds.",
+        description="Fit the free parameters of a recipe to its target curves or labelled clips,\n"
+        "and hand over the model with hard thresholds.",
         epilog=_EXAMPLES,
     )
     add_recipe(parser)

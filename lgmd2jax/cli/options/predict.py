@@ -15,7 +15,7 @@ def add(commands: argparse._SubParsersAction) -> None:
     parser = commands.add_parser(
         "predict",
         help="compute what a fitted model answers to other stimuli",
-        description="Write the channel that was fitted (a firing rate with the gain, the latency and the smoothing of "
+        description="Write the channel that was fitted (a firing rate with the gain, the latency and the smoothing of\n"
         "the fit) for every condition of a protocol, as a CSV file with the columns condition, time_ms, value.",
         epilog=_EXAMPLES,
     )

@@ -14,7 +14,7 @@ examples:
   lgmd2jax stimuli robot --clips npz              also arrays: frames (uint8), time_ms, fps, name
   lgmd2jax stimuli video                          labelled clips with their labels; the first of those rendered
 
-A protocol is a TOML file: an eye, and a list of conditions.
+A protocol is a TOML file with an eye and a list of conditions:
   [eye]
   preset = "locust"
   [[condition]]
