@@ -9,10 +9,8 @@ from ._characterise import (
 )
 from ._eye import Eye as Eye
 from ._handover.model_file import load as load, save as save
-from ._network.ablation import ABLATIONS as ABLATIONS, ablate as ablate
 from ._network.abstract import Network as Network, Response as Response, State as State
-from ._network.frame_rate import at_frame_rate as at_frame_rate
-from ._network.lgmd2 import LGMD2 as LGMD2
+from ._network.lgmd2 import ABLATIONS as ABLATIONS, LGMD2 as LGMD2, MECHANISMS as MECHANISMS
 from ._network.parameters import (
     PRESETS as PRESETS,
     Parameters as Parameters,
@@ -28,6 +26,7 @@ from ._network.thresholds import (
     Thresholds as Thresholds,
     Widths as Widths,
 )
+from ._network.variants import ablate as ablate, at_frame_rate as at_frame_rate
 from ._network.yue_rind import (
     YueRindLayers as YueRindLayers,
     YueRindLGMD1 as YueRindLGMD1,

@@ -8,7 +8,7 @@ from typing import Any
 import jax
 import numpy as np
 
-from lgmd2jax._network.lgmd2 import LGMD2
+from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.thresholds import Soft, StraightThrough, Thresholds, Widths
 from lgmd2jax._targets.observation import Observation, observation_symbols
 from lgmd2jax.fitting import Curve, Fit, Free, Linear, Log, Run, Tie
@@ -78,7 +78,7 @@ def content_of(fit: Fit, extra: Extra) -> dict[str, Any]:
     return plain(content)
 
 
-def fit_of(content: dict[str, Any], model: LGMD2, curves: tuple[Curve, ...]) -> Fit:
+def fit_of(content: dict[str, Any], model: AbstractNetwork, curves: tuple[Curve, ...]) -> Fit:
     """The fit, with the hard model of its hand-over file and its curves.
 
     **Raises:** `ValueError` for another format, and `KeyError` or `TypeError` for what is not complete.

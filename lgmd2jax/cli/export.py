@@ -5,13 +5,13 @@ from pathlib import Path
 
 from lgmd2jax import hard
 from lgmd2jax._files.atomic import replaced
-from lgmd2jax._handover.model_file import handed_over, save
+from lgmd2jax._handover.model_file import as_lgmd2, save
 from lgmd2jax._handover.named import model_file, model_named
 
 
 def run(options: argparse.Namespace) -> None:
     """Check the model, write both files, and say how to use them."""
-    model, folder = handed_over(model_named(options.model)), options.python
+    model, folder = as_lgmd2(model_named(options.model)), options.python
     paths = folder / "model.json", folder / "hard.py"
     _check_place(folder, paths)
     source = Path(hard.__file__).read_bytes()
