@@ -148,9 +148,7 @@ def _built(kind: type[AbstractNetwork], content: Mapping[str, Any]) -> AbstractN
         structure["mechanisms"] = tuple(mechanisms)
     parameters: Any = parameters_of(kind)
     build: Any = kind
-    return build(
-        parameters(**{name: jnp.asarray(float(value)) for name, value in values.items()}), eye=eye, **structure
-    )
+    return build(parameters(**{name: float(value) for name, value in values.items()}), eye=eye, **structure)
 
 
 def _plain(provenance):

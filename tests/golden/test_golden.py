@@ -45,7 +45,7 @@ def test_every_case_is_kept():
 @pytest.mark.parametrize("case", cases.CASES)
 def test_numbers_are_those_that_were_kept(case):
     found, expected = cases.CASES[case](), golden()[case]
-    assert sorted(found) == sorted(expected)
+    assert set(found) >= set(expected)  # a parameter of a mechanism that came later stands beside them
     lines = [f"{name}: {it}" for name in expected if (it := difference(case, name, found[name], expected[name]))]
     assert not lines, "\n".join(lines)
 
