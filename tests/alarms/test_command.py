@@ -8,7 +8,7 @@ import pytest
 
 import lgmd2jax as lgmd
 from lgmd2jax import hard
-from lgmd2jax.alarms import Rendered, rendered
+from lgmd2jax.alarms import Rendering
 from lgmd2jax.cli import main
 from tests.videos import noise, write_video
 
@@ -54,7 +54,7 @@ def place(tmp_path_factory):
     write_video(place / "own.mkv", list(noise(30)))
     (place / "own.toml").write_text(PROTOCOL.split("[rendered]")[0] + '[[clip]]\nfile = "own.mkv"\n')
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("lgmd2jax.alarms._decoded.user_cache_path", lambda name: place / name)
+        patch.setattr("lgmd2jax.alarms._decoding.user_cache_path", lambda name: place / name)
         assert not main(["fit", str(place / "mine.toml"), "--clips", str(place / "own.toml")])
     return place
 
@@ -87,7 +87,7 @@ def test_the_handed_over_model_alarms_as_the_report_says(place):
     with open(place / "mine/clips.csv", newline="") as file:
         rows = list(csv.DictReader(file))
     assert rows.pop()["clip"] == "own"
-    for clip, row in zip(rendered(eye, Rendered(6, seed=2)), rows, strict=True):
+    for clip, row in zip(Rendering(6, seed=2).clips(eye), rows, strict=True):
         robot = hard.load(place / "mine/model.json")
         on = [bool(robot.step(frame).collision) for frame in clip.frames.astype(float)]
         told = np.zeros(len(on), bool)
