@@ -10,7 +10,9 @@ FRAMES = np.zeros((20, 3, 4), np.uint8)
 
 def test_labels_count_the_frames_of_the_file_also_where_repeats_were_dropped():
     index = np.array([0, 1, 3, 4, 6, 7, 9])
-    clip = LabelledClip.of("c", FRAMES[:7], 21.0, windows=[(3, 5)], silent=[(0, 1), (7, 9)], index=index, time=index * 33.0)
+    clip = LabelledClip.of(
+        "c", FRAMES[:7], 21.0, windows=[(3, 5)], silent=[(0, 1), (7, 9)], index=index, time=index * 33.0
+    )
     assert clip.in_windows().tolist() == [[False, False, True, True, False, False, False]]
     assert clip.in_silence().tolist() == [True, True, False, False, False, True, True]
     assert clip.silent_minutes == pytest.approx(4 / 21 / 60)

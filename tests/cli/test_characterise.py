@@ -110,7 +110,9 @@ def test_a_model_without_an_eye_leaves_no_file(mine, tmp_path, capsys):
 
 def test_intervals_are_asked_of_the_fit_beside_the_model(shown, mine, tmp_path, monkeypatch):
     asked = []
-    monkeypatch.setattr(command, "load_fit", lambda folder: asked.append(folder) or fit_with(lgmd.Free(tau2=(20, 300)), []))
+    monkeypatch.setattr(
+        command, "load_fit", lambda folder: asked.append(folder) or fit_with(lgmd.Free(tau2=(20, 300)), [])
+    )
     (tmp_path / "model.json").write_bytes(mine.read_bytes())
     assert main(["characterise", str(tmp_path / "model.json"), "--intervals"]) == 0
     assert asked == []

@@ -239,7 +239,7 @@ def test_equal_bounds_hold_a_variable():
 
 
 def test_a_step_onto_a_bound_ends_on_it_exactly():
-    """y + (bound - y) is not the bound where the subtraction rounds."""
+    """Y + (bound - y) is not the bound where the subtraction rounds."""
     chance = np.random.default_rng(0)
     y, upper, lower = chance.uniform(0.1, 1, 1000), chance.uniform(1, 3, 1000), -chance.uniform(0.01, 0.1, 1000)
     assert (np.minimum(y + (upper - y), upper) != upper).any()

@@ -62,9 +62,7 @@ def test_a_known_law_comes_back():
     assert law.alpha == pytest.approx(4.4, abs=0.02)
     assert law.exponent == pytest.approx(-0.2, abs=2e-3)
     for name in ("baseline", "gain", "latency"):
-        assert float(getattr(law.observation, name)) == pytest.approx(
-            float(getattr(TRUE.observation, name)), rel=5e-3
-        )
+        assert float(getattr(law.observation, name)) == pytest.approx(float(getattr(TRUE.observation, name)), rel=5e-3)
 
 
 def test_each_speed_is_predicted_from_the_others_and_lines_are_those_of_the_peaks():

@@ -119,7 +119,9 @@ def test_a_prior_keeps_its_width_when_chi2_is_divided_by_the_variance():
     expected = ((values["k"] - 0.5) / 0.2) ** 2 + ((values["T_ffi"] - 20) / 4) ** 2
     chi2 = {}
     for kind in (free, with_prior):
-        residuals = chi2_residuals(problem_of(TRUTH, OBSERVATION, kind, [(stimulus, [target])], "squares"), 0.5, variance)
+        residuals = chi2_residuals(
+            problem_of(TRUTH, OBSERVATION, kind, [(stimulus, [target])], "squares"), 0.5, variance
+        )
         chi2[kind] = np.sum(np.square(residuals(z))) / variance
     np.testing.assert_allclose(chi2[with_prior] - chi2[free], expected, rtol=1e-9)
 

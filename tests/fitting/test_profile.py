@@ -101,7 +101,9 @@ def test_of_linear_curves_the_interval_is_that_of_the_covariance(absolute, law):
     error = np.sqrt(np.linalg.inv(jacobian.T @ jacobian)[0, 0] * (1 if absolute else noise @ noise / 5))
     for confidence in (0.95, 0.68):
         limit = rise_limit(u, confidence)
-        ours = profile(lambda z_: jacobian @ (z_ - z) + noise, z, 0, variance=u.variance, limit=limit, step=0.05)
+        ours = profile(
+            lambda point: jnp.asarray(jacobian) @ (point - z) + noise, z, 0, variance=u.variance, limit=limit, step=0.05
+        )
         reach = law.ppf(0.5 + confidence / 2) * error
         np.testing.assert_allclose(ours.interval, [0.4 - reach, 0.4 + reach], atol=2e-3 * reach)
 

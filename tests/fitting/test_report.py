@@ -193,7 +193,9 @@ def test_curves_have_their_channel_r2_rmse_and_gap():
     counted = shown.target[10:]
     line = row(text(fit_with(THREE, [shown])), "Curves", "loom").split()
     assert line[1] == "rate"
-    assert float(line[2]) == pytest.approx(1 - np.mean((shown.soft - shown.target)[10:] ** 2) / np.var(counted), abs=6e-4)
+    assert float(line[2]) == pytest.approx(
+        1 - np.mean((shown.soft - shown.target)[10:] ** 2) / np.var(counted), abs=6e-4
+    )
     assert float(line[3]) == pytest.approx(1 - 0.01 / np.var(counted), abs=6e-4)
     assert float(line[5]) == pytest.approx(0.1)
     assert line[6] == "spikes/s"
@@ -233,6 +235,12 @@ def test_the_search_is_counted():
     )
     assert "64 starts screened, 3 descended; the best was found 2 of 3 times." in report
     assert "15 steps of the solver, at temperatures 0.5, 0.2." in report
+
+
+def test_the_count_of_the_best_has_an_old_name():
+    fit = fit_with(THREE, [curve()], runs=[run(1.0, free=3), run(1.001, free=3), run(5.0, free=3)])
+    with pytest.warns(DeprecationWarning, match=r"Fit.found is now Fit.best_count"):
+        assert fit.found == fit.best_count == 2
 
 
 def test_correlations_are_those_above_one_half_largest_first():

@@ -44,6 +44,38 @@ def test_tasks_come_back_by_number_in_double_precision_and_are_remembered(client
     assert work.best == 0
 
 
+def pressed_at(number):
+    """A memory during whose writing of a task Ctrl-C is pressed."""
+
+    class Pressed(dict):
+        def __setitem__(self, key, value):
+            super().__setitem__(key, value)
+            if key == f"squares {number}":
+                raise KeyboardInterrupt
+
+    return Pressed()
+
+
+def test_after_ctrl_c_the_finished_tasks_are_returned_and_no_other_is_begun():
+    memory = pressed_at(0)
+    with Work(memory, False) as work:
+        results = work.do("squares", Squares(np.arange(200.0)), range(200))
+        assert work.stop.is_set()
+        assert 0 in results
+        assert len(results) < 200
+        assert work.do("more", Squares(np.arange(9.0)), range(9), first=lambda: pytest.fail("nothing is begun")) == {}
+
+
+def test_ctrl_c_before_any_task_is_finished_goes_on():
+    def pressed():
+        raise KeyboardInterrupt
+
+    with Work({}, False) as work, pytest.raises(KeyboardInterrupt):
+        work.do("squares", Squares(np.arange(9.0)), range(9), first=pressed)
+    with Work({"squares 3": {"loss": 9.0}}, False) as work:
+        assert work.do("squares", Squares(np.arange(9.0)), range(9), first=pressed) == {3: {"loss": 9.0}}
+
+
 def test_what_a_task_raises_is_raised_here(client):
     with Work({}, False, client) as work, pytest.raises(ValueError, match="number is 99"):
         work.do("squares", Squares(np.arange(9.0)), [1, 99])

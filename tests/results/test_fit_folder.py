@@ -56,6 +56,16 @@ def test_what_was_written_comes_back(fit, folder):
         again.profile("tau1")
 
 
+def test_the_old_name_of_the_notes_still_works(fit, tmp_path):
+    with pytest.warns(DeprecationWarning, match=r"save_fit\(made=...\) is now save_fit\(notes=...\)"):
+        lgmd.save_fit(fit, tmp_path / "old", made={"digest": "abc"})
+    assert json.loads((tmp_path / "old/fit.json").read_text())["digest"] == "abc"
+
+
+def test_intervals_state_their_confidence(folder):
+    assert json.loads((folder / "fit.json").read_text())["uncertainty"]["confidence"] == 0.95
+
+
 def test_curves_are_a_table(folder):
     with open(folder / "curves.csv", newline="") as file:
         rows = list(csv.DictReader(file))
