@@ -72,7 +72,7 @@ def document(model: AbstractNetwork, provenance: Mapping[str, Plain] | None = No
     }
 
 
-def load(path: str | os.PathLike, network: type[AbstractNetwork] | None = None) -> AbstractNetwork:
+def load(path: str | os.PathLike, network: type[AbstractNetwork] | None = None) -> Any:
     """The model of a hand-over file, with hard thresholds, once its test vector has come out.
 
     **Arguments:** `network`: the class of a network of your own; what the library has is found by its name.

@@ -12,10 +12,9 @@ from lgmd2jax._recipes.fit import Recipe, load_recipe
 from lgmd2jax._results.fit_folder import MARKER, save_fit
 from lgmd2jax.cli import fit_alarms
 from lgmd2jax.cli.recipe_results import folder_of, origin, starts_of
-from lgmd2jax.fitting import Fit
-from lgmd2jax.fitting._descent import STOPPED
-from lgmd2jax.fitting._law_fit import Beside, beside_law
-from lgmd2jax.fitting._report import Extra
+from lgmd2jax.fitting import Fit, LawComparison, Supplement
+from lgmd2jax.fitting._law_fit import compare_with_law
+from lgmd2jax.fitting._search.descent import STOPPED
 
 
 def run(options: argparse.Namespace) -> None:
@@ -40,11 +39,11 @@ def _fit_curves(options: argparse.Namespace) -> None:
     print(f"fitting {', '.join(recipe.free.names)} to {len(recipe.pairs)} conditions of {recipe.name}", flush=True)
     fit = recipe.run(progress=True, memory=memory)
     stopped = fit.result == STOPPED
-    extra = Extra(truth=recipe.truth) if stopped else _extra(recipe, fit)
-    record = {"recipe": recipe.table, "digest": digest, "made": origin(start)}
+    extra = Supplement(truth=recipe.truth) if stopped else _extra(recipe, fit)
+    notes = {"recipe": recipe.table, "digest": digest, "made": origin(start)}
     provenance = {"recipe": recipe.name, "seed": recipe.seed, "digest": digest}
     draws = None if stopped or not recipe.samples else fit.sample(jax.random.key(recipe.seed), recipe.samples)
-    save_fit(fit, folder, name=recipe.name, extra=extra, provenance=provenance, made=record, draws=draws)
+    save_fit(fit, folder, name=recipe.name, extra=extra, provenance=provenance, notes=notes, draws=draws)
     print(fit.summary(extra))
     print(f"\nwrote {folder}/ in {time.monotonic() - start:.0f} s; open {folder}/report.html")
     if stopped:
@@ -53,15 +52,15 @@ def _fit_curves(options: argparse.Namespace) -> None:
     memory.forget()
 
 
-def _beside(recipe: Recipe, fit: Fit) -> Beside:
-    return beside_law(recipe.pairs, fit.curves, smoothing=float(fit.observation.smoothing))
+def _beside(recipe: Recipe, fit: Fit) -> LawComparison:
+    return compare_with_law(recipe.pairs, fit.curves, smoothing=float(fit.observation.smoothing))
 
 
-def _extra(recipe: Recipe, fit: Fit) -> Extra:
+def _extra(recipe: Recipe, fit: Fit) -> Supplement:
     """What the recipe asks for beside the fit."""
-    return Extra(
+    return Supplement(
         profiles={name: fit.profile(name) for name in recipe.profile},
         left_out=recipe.predict_each(progress=True) if recipe.leave_one_out else {},
-        beside=_beside(recipe, fit) if recipe.looming_law else None,
+        looming_law=_beside(recipe, fit) if recipe.looming_law else None,
         truth=recipe.truth,
     )

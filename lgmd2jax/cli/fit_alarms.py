@@ -14,11 +14,10 @@ from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._network.parameters import preset
 from lgmd2jax._results.alarm_folder import save_alarm_fit
 from lgmd2jax._results.fit_folder import MARKER
-from lgmd2jax.alarms import AlarmRecipe, Footage, load_footage, load_recipe, watch
+from lgmd2jax.alarms import AlarmRecipe, HeldOutScores, LabelledClip, evaluate, load_labels, load_recipe
 from lgmd2jax.alarms._recipe import KIND as KIND
-from lgmd2jax.alarms._report import Held
 from lgmd2jax.cli.recipe_results import folder_of, origin, starts_of
-from lgmd2jax.fitting._descent import STOPPED
+from lgmd2jax.fitting._search.descent import STOPPED
 
 _ROBOT_T_SP = 0.65  # Table I's range is .65 on the robot to .78 off line
 
@@ -41,8 +40,8 @@ def run(options: argparse.Namespace) -> None:
     fit = recipe.run(clips, progress=True, memory=memory)
     scores = None if fit.stopped or recipe.validation is None else _held_out_scores(recipe, fit.model)
     provenance = {"recipe": recipe.name, "seed": recipe.seed, "digest": digest}
-    record: dict[str, Any] = {"recipe": recipe.table, "digest": digest, "made": origin(start)}
-    save_alarm_fit(fit, folder, name=recipe.name, held=scores, provenance=provenance, made=record)
+    notes: dict[str, Any] = {"recipe": recipe.table, "digest": digest, "made": origin(start)}
+    save_alarm_fit(fit, folder, name=recipe.name, held_out=scores, provenance=provenance, notes=notes)
     print(fit.summary(scores))
     print(f"\nwrote {folder}/ in {time.monotonic() - start:.0f} s; open {folder}/report.html")
     if fit.stopped:
@@ -51,9 +50,9 @@ def run(options: argparse.Namespace) -> None:
     memory.forget()
 
 
-def _further(path: Path, recipe: AlarmRecipe) -> tuple[Footage, ...]:
+def _further(path: Path, recipe: AlarmRecipe) -> tuple[LabelledClip, ...]:
     """The clips of another file; they may have a size of their own, but parameters belong to a rate and a scale."""
-    file, eye = load_footage(path), recipe.file.eye
+    file, eye = load_labels(path), recipe.file.eye
     for name in ("fps", "degrees_per_pixel"):
         value, expected = getattr(file.eye, name), getattr(eye, name)
         if value != expected:
@@ -61,13 +60,13 @@ def _further(path: Path, recipe: AlarmRecipe) -> tuple[Footage, ...]:
     return file.load(_bar)
 
 
-def _held_out_scores(recipe: AlarmRecipe, model: LGMD2) -> Held:
+def _held_out_scores(recipe: AlarmRecipe, model: LGMD2) -> HeldOutScores:
     """The fitted model and the paper's, at both ends of its T_sp, on rendered clips that the fit did not see."""
     clips = recipe.held_out()
     models = {"fitted": model}
     for T_sp in (float(preset("lgmd2").T_sp), _ROBOT_T_SP):
         models[f"Table I, T_sp {T_sp:g}"] = dataclasses.replace(model, parameters=preset("lgmd2", T_sp=T_sp))
-    return Held.of({name: watch(candidate, clips) for name, candidate in models.items()})
+    return HeldOutScores.of({name: evaluate(candidate, clips) for name, candidate in models.items()})
 
 
 def _bar(jobs: Iterable) -> Iterable:

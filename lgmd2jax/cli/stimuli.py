@@ -15,7 +15,7 @@ from lgmd2jax._files.atomic import read_toml, replaced
 from lgmd2jax._files.catalogue import locate, results_folder
 from lgmd2jax._protocol.protocol import load_protocol
 from lgmd2jax._video.clip_files import clips_folder, write_clip
-from lgmd2jax.alarms import Footage, load_footage
+from lgmd2jax.alarms import LabelledClip, load_labels
 from lgmd2jax.stimuli import Stimulus
 
 _RENDERED = 24  # of the clips that a file of labelled ones renders: a dozen collisions, two of each other kind
@@ -53,7 +53,7 @@ def _renderers(source: str) -> tuple[str, str, Sequence[Callable[[], Stimulus]]]
         protocol = load_protocol(source)
         renderers = [condition.render for condition in protocol.conditions]
         return protocol.name, f"{len(renderers)} conditions", renderers
-    file = load_footage(source)
+    file = load_labels(source)
     if file.rendered is not None:
         few = dataclasses.replace(file.rendered, count=min(file.rendered.count, _RENDERED))
         file = dataclasses.replace(file, rendered=few)
@@ -61,7 +61,7 @@ def _renderers(source: str) -> tuple[str, str, Sequence[Callable[[], Stimulus]]]
     return file.name, f"{len(clips)} labelled clips", [partial(_labelled, clip) for clip in clips]
 
 
-def _labelled(clip: Footage) -> Stimulus:
+def _labelled(clip: LabelledClip) -> Stimulus:
     """A clip over the course of its label: 1 where an alarm is wanted, 0 where none may be raised, else nothing."""
     label = np.where(clip.in_windows().any(axis=0), 1.0, np.where(clip.in_silence(), 0.0, np.nan))
     courses = {"alarm_wanted": jnp.asarray(label)}

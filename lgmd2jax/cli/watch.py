@@ -7,8 +7,9 @@ import sys
 from lgmd2jax._files.atomic import replaced
 from lgmd2jax._handover.named import model_named, with_parameters
 from lgmd2jax._network.lgmd2 import LGMD2
-from lgmd2jax.alarms import load_footage, watch
-from lgmd2jax.alarms._report import watched, write_table
+from lgmd2jax._reports.section import as_text
+from lgmd2jax.alarms import evaluate, load_labels
+from lgmd2jax.alarms._report import clip_section, write_table
 
 
 def run(options: argparse.Namespace) -> None:
@@ -21,7 +22,7 @@ def run(options: argparse.Namespace) -> None:
     model = with_parameters(model_named(options.model), options.set)
     if not isinstance(model, LGMD2):
         raise ValueError(f"{options.model} is no LGMD2; its alarms are counted otherwise: see lgmd2jax respond")
-    file = load_footage(options.labels)
+    file = load_labels(options.labels)
     if model.eye is not None and model.eye.degrees_per_pixel != file.eye.degrees_per_pixel:
         print(
             f"lgmd2jax: warning: the model has degrees_per_pixel = {model.eye.degrees_per_pixel}, "
@@ -31,11 +32,11 @@ def run(options: argparse.Namespace) -> None:
     outputs = [path for path in (options.csv, options.figure) if path]
     with contextlib.ExitStack() as stack:
         files = {path: stack.enter_context(replaced(path)) for path in outputs}
-        result = watch(model, file.load())
+        evaluation = evaluate(model, file.load())
         if options.csv:
-            write_table(files[options.csv], result.verdicts())
+            write_table(files[options.csv], evaluation.verdicts())
         if options.figure:
-            clips_figure(files[options.figure], result, options.model)
-    print(watched(result))
+            clips_figure(files[options.figure], evaluation, options.model)
+    print(as_text([clip_section(evaluation, {})]))
     if outputs:
         print("wrote " + ", ".join(str(path) for path in outputs))

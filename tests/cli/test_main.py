@@ -12,7 +12,7 @@ import pytest
 import lgmd2jax as lgmd
 from lgmd2jax._recipes.sweep import load_sweep_recipe
 from lgmd2jax._video.clip_files import FORMS
-from lgmd2jax.alarms import load_footage
+from lgmd2jax.alarms import load_labels
 from lgmd2jax.cli import export as command, main
 from lgmd2jax.cli.main import _COMMANDS
 from lgmd2jax.cli.options import stimuli as stimuli_options
@@ -60,7 +60,7 @@ def test_help_fits_a_screen_and_its_examples_are_of_this_command(name, capsys):
     assert max(map(len, text.splitlines())) <= 120
 
 
-LOADERS = {"fit": lgmd.load_recipe, "sweep": load_sweep_recipe, "stimuli": lgmd.load_protocol, "watch": load_footage}
+LOADERS = {"fit": lgmd.load_recipe, "sweep": load_sweep_recipe, "stimuli": lgmd.load_protocol, "watch": load_labels}
 
 
 @pytest.mark.parametrize("name", LOADERS)

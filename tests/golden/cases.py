@@ -684,7 +684,7 @@ def fit_soft_and_its_files() -> Outputs:
 # Alarms
 
 
-def labelled() -> list[alarms.Footage]:
+def labelled() -> list[alarms.LabelledClip]:
     """Approaches, in whose last second an alarm is wanted, and clips that must be silent."""
     eye = dataclasses.replace(SMALL, fps=30.0)
     window: dict[str, Any] = {"start_ms": -1500.0, "end_ms": 0.0}
@@ -693,7 +693,7 @@ def labelled() -> list[alarms.Footage]:
         frames = np.asarray(stimuli.looming(eye, l_over_v=l_over_v, contrast=contrast, **window).frames)
         last = len(frames) - 1
         clips.append(
-            alarms.footage(
+            alarms.LabelledClip.of(
                 f"loom {number}", frames, 30, windows=[(last - 15, last)], silent=[(5, last - 25)], contact=last + 2
             )
         )
@@ -704,11 +704,11 @@ def labelled() -> list[alarms.Footage]:
     }
     for name, it in moving.items():
         frames = np.round(np.asarray(it.frames)).astype(np.uint8)
-        clips.append(alarms.footage(name, frames, 30, silent=[(5, len(frames) - 1)]))
+        clips.append(alarms.LabelledClip.of(name, frames, 30, silent=[(5, len(frames) - 1)]))
     return clips
 
 
-def of_watch(watched: alarms.Watch, prefix: str) -> Outputs:
+def of_watch(watched: alarms.Evaluation, prefix: str) -> Outputs:
     """Verdicts, evidence, scores and the operating curve of a model on clips."""
     found = {f"{prefix}score": np.array([*watched.score().hits, *watched.score().false_alarms])}
     for verdict, trace in zip(watched.verdicts(), watched.evidence, strict=True):
@@ -723,8 +723,10 @@ def of_watch(watched: alarms.Watch, prefix: str) -> Outputs:
 def alarms_watched() -> Outputs:
     """What models do on labelled clips, own ones and rendered ones."""
     model = lgmd.LGMD2(lgmd.preset("lgmd2", T_s=5.0, k=2.0, T_ffi=30.0, T_sp=0.7))
-    rendered = list(alarms.rendered(dataclasses.replace(SMALL, fps=30.0), alarms.Rendered(count=2, seed=5)))
-    found = of_watch(alarms.watch(model, labelled()), "own: ") | of_watch(alarms.watch(model, rendered), "rendered: ")
+    rendered = list(alarms.Rendering(count=2, seed=5).clips(dataclasses.replace(SMALL, fps=30.0)))
+    found = of_watch(alarms.evaluate(model, labelled()), "own: ") | of_watch(
+        alarms.evaluate(model, rendered), "rendered: "
+    )
     for it in rendered:
         found[f"labels of {it.name}"] = text(repr((it.windows, it.silent, it.contact)))
     potential = jnp.asarray(np.random.default_rng(2).uniform(0.5, 1.0, (3, 40)))
