@@ -172,7 +172,7 @@ def _corners(
     for corner in itertools.product(*((axis.values.min(), axis.values.max()) for axis in axes)):
         point = {axis.name: float(value) for axis, value in zip(axes, corner, strict=True)}
         time, units = outline(renderer, eye, **fixed, **point)
-        frames += [round(float(end) * eye.fps / 1000) for end in (time[0], time[-1])]
+        frames += np.rint(np.asarray(time)[[0, -1]] * (eye.fps / 1000)).tolist()
     return units, (min(frames) * 1000 / eye.fps, max(frames) * 1000 / eye.fps)
 
 

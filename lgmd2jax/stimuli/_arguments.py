@@ -1,7 +1,7 @@
 """Arguments of the renderers: numbers made arrays, and refused where they cannot be meant. Traced ones go unchecked."""
 
 import math
-from collections.abc import Collection
+from collections.abc import Callable, Collection, Mapping
 
 import jax.numpy as jnp
 import numpy as np
@@ -23,15 +23,8 @@ def number(
 
     **Raises:** `ValueError` for another shape, and for a concrete value outside of the range.
     """
-    result, unit = _scalar(name, value), unit_of(quantity)
-    if is_concrete(result):
-        if not (math.isfinite(result) and low <= float(result) <= high):
-            span = (
-                f"in {low:g}..{high:g}" if np.isfinite(high) else "finite" if np.isinf(low) else f"of {low:g} or more"
-            )
-            raise ValueError(f"{name} is {value} {unit.name}; give a number {span}")
-        unit.warn_if_confused(name, float(np.asarray(value)))
-    return result
+    span = f"in {low:g}..{high:g}" if np.isfinite(high) else "finite" if np.isinf(low) else f"of {low:g} or more"
+    return _checked(name, value, quantity, {f"a number {span}": lambda size: low <= size <= high})
 
 
 def positive(name: str, value: ScalarLike | None, quantity: TypeAliasType, high: float | int = np.inf) -> Scalar:
@@ -39,15 +32,22 @@ def positive(name: str, value: ScalarLike | None, quantity: TypeAliasType, high:
 
     **Raises:** `ValueError` for another shape, and for a concrete value that is not positive, not finite or too large.
     """
-    result = _scalar(name, value)
-    if is_concrete(result) and not (math.isfinite(result) and float(result) > 0):
-        raise ValueError(f"{name} is {value} {unit_of(quantity).name}; give a positive number")
-    return number(name, value, quantity, 0, high)
+    wanted = {"a positive number": lambda size: size > 0, f"a number in 0..{high:g}": lambda size: size <= high}
+    return _checked(name, value, quantity, wanted)
 
 
-def _scalar(name: str, value: ScalarLike | None) -> Scalar:
+def _checked(
+    name: str, value: ScalarLike | None, quantity: TypeAliasType, wanted: Mapping[str, Callable[[float], bool]]
+) -> Scalar:
+    """The value as an array, refused with the first of the `wanted` words that are not true of it."""
     if value is None or isinstance(value, (str, list, tuple, dict)) or np.shape(value) != ():
         raise ValueError(f"{name} is {value!r}; give one number, and map a batch with jax.vmap")
+    if is_concrete(value):
+        size, unit = float(value), unit_of(quantity)
+        for words, holds in wanted.items():
+            if not (math.isfinite(size) and holds(size)):
+                raise ValueError(f"{name} is {value} {unit.name}; give {words}")
+        unit.warn_if_confused(name, size)
     return jnp.asarray(value, dtype=float)
 
 

@@ -164,6 +164,14 @@ def test_the_same_key_is_the_same_clip_to_the_bit():
     assert not np.array_equal(other.stimulus.frames, first.stimulus.frames)
 
 
+def test_the_old_name_of_a_random_encounter_still_works():
+    eye = Eye(rows=12, cols=20, degrees_per_pixel=5.0, fps=20.0)
+    with pytest.warns(DeprecationWarning, match="encounter is called random_encounter now"):
+        old = stimuli.encounter(eye, KEY, kind="clutter", duration_ms=500)
+    new = stimuli.random_encounter(eye, KEY, kind="clutter", duration_ms=500)
+    assert np.array_equal(old.stimulus.frames, new.stimulus.frames)
+
+
 def test_a_clip_is_the_same_whatever_the_count(clips):
     for count in (1, 2, 5):
         some = list(stimuli.encounters(EYE, KEY, count))
