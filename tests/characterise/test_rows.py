@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from lgmd2jax._characterise import trials
-from lgmd2jax._characterise.curves import normalised
 from lgmd2jax._characterise.trials import textured
 from lgmd2jax._characterise.verdicts import ROWS, judged
 from tests.characterise.signals import (
