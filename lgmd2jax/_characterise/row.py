@@ -50,7 +50,7 @@ class Line:
             return f">= {self.low:g}"
         return f"<= {self.high:g}" if math.isfinite(self.high) else ""
 
-    def holds(self, value: Array | np.generic | float) -> Array | np.bool_:
+    def holds(self, value: Array | np.generic | float) -> Array | np.bool_ | bool:
         """Whether a value lies within the bounds; NaN does not."""
         return (value >= self.low) & (value <= self.high)
 
@@ -73,7 +73,7 @@ class Row:
     neuron: Neuron = "any LGMD"
     holds_if: Literal["all lines hold", "any line holds"] = "all lines hold"
 
-    def holds(self, values: Iterable) -> Array | np.bool_:
+    def holds(self, values: Iterable) -> Array | np.bool_ | bool:
         """Whether the property holds by these values of the lines; NaN holds nowhere."""
         verdicts = [line.holds(value) for line, value in zip(self.lines, values, strict=True) if line.judged]
         return functools.reduce(operator.or_ if self.holds_if == "any line holds" else operator.and_, verdicts)

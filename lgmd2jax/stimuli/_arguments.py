@@ -43,7 +43,7 @@ def _checked(
     if value is None or isinstance(value, (str, list, tuple, dict)) or np.shape(value) != ():
         raise ValueError(f"{name} is {value!r}; give one number, and map a batch with jax.vmap")
     if is_concrete(value):
-        size, unit = float(value), unit_of(quantity)
+        size, unit = float(np.asarray(value)), unit_of(quantity)
         for words, holds in wanted.items():
             if not (math.isfinite(size) and holds(size)):
                 raise ValueError(f"{name} is {value} {unit.name}; give {words}")
