@@ -6,6 +6,7 @@ import sys
 import jax
 
 from lgmd2jax._compute.xla import set_flags
+from lgmd2jax._video.remarks import clip_warnings_as_lines
 from lgmd2jax.cli import (
     characterise as _command_characterise,
     export as _command_export,
@@ -47,7 +48,8 @@ def main(arguments: list[str] | None = None) -> int:
     set_flags()
     jax.config.update("jax_enable_x64", True)
     try:
-        options.run(options)
+        with clip_warnings_as_lines():
+            options.run(options)
     except (ValueError, OSError) as error:
         print(f"lgmd2jax: {' '.join(str(error).split())}", file=sys.stderr)
         return 1

@@ -12,7 +12,8 @@ import pytest
 
 import lgmd2jax as lgmd
 from lgmd2jax._figures.response import response_figure
-from lgmd2jax._video.clip import Frame, grey, open_clip
+from lgmd2jax._video.clip import Frame, open_clip
+from lgmd2jax._video.grey import grey
 from lgmd2jax._video.snapshots import Snapshot
 from lgmd2jax._video.trace import Trace
 from lgmd2jax.cli import main
@@ -70,7 +71,7 @@ def test_streaming_a_clip_is_the_whole_clip_call(folder):
 def test_real_intervals_reach_the_model(folder):
     def slowed(frames):
         for frame in frames:
-            yield Frame(frame.index, frame.time, 2 * frame.interval, frame.picture, frame.grey, False)
+            yield Frame(frame.index, frame.time, 2 * frame.interval, frame.pixels, frame.grey, False)
 
     model, clip = lgmd.LGMD2(), open_clip(folder, fps=30.0)
     fast, slow = ([row for _, row in responses(model, frames)] for frames in (clip, slowed(clip)))
@@ -82,7 +83,7 @@ def test_a_repeated_frame_does_not_reach_the_model(folder):
     def stuttered(frames):
         for frame in frames:
             yield frame
-            yield Frame(frame.index, frame.time, frame.interval, frame.picture, frame.grey, repeated=True)
+            yield Frame(frame.index, frame.time, frame.interval, frame.pixels, frame.grey, repeated=True)
 
     model, clip = lgmd.LGMD2(), open_clip(folder, fps=30.0)
     plain = [row for _, row in responses(model, clip)]
