@@ -18,6 +18,7 @@ class Footage:
     - `frames`: grey levels 0..255; 8-bit integers where they are whole.
     - `fps`: frames per second, after repeated frames were dropped.
     - `index`, `time`: where each frame stands in the file, and when, in ms.
+    - `interval`: ms since the frame before, for the model's time constants.
     - `windows`: stretches in each of which an alarm must be raised.
     - `silent`: stretches in which none may be.
     - `contact`: the frame of the file in which something is hit, perhaps one after its end; None where nothing is.
@@ -28,6 +29,7 @@ class Footage:
     fps: float
     index: Int[np.ndarray, " time"]
     time: Float[np.ndarray, " time"]
+    interval: Float[np.ndarray, " time"]
     windows: tuple[Stretch, ...] = ()
     silent: tuple[Stretch, ...] = ()
     contact: int | None = None
@@ -51,7 +53,7 @@ class Footage:
     @property
     def silent_minutes(self) -> float:
         """How long the clip must be silent."""
-        return float(self.in_silence().sum()) / self.fps / 60
+        return float(self.interval[self.in_silence()].sum()) / 60_000
 
     def _within(self, stretch: Stretch) -> Bool[np.ndarray, " time"]:
         return (self.index >= stretch[0]) & (self.index <= stretch[1])
@@ -67,27 +69,37 @@ def footage(
     contact: int | None = None,
     index: Int[np.ndarray, " time"] | None = None,
     time: Float[np.ndarray, " time"] | None = None,
+    interval: Float[np.ndarray, " time"] | None = None,
+    count: int | None = None,
 ) -> Footage:
     """A clip of your own with its labels.
 
     **Arguments:** as the fields of `Footage`; stretches are pairs of first and last frame. Without `index` and `time`
-    the frames are taken to be all of the file's.
+    the frames are taken to be all of the file's. Without `interval` the times say it.
 
-    **Raises:** `ValueError` for stretches that are reversed, overlap or lie outside of the clip.
+    - `count`: how many frames the file holds, where the last ones were dropped as repeats.
+
+    **Raises:** `ValueError` for stretches that are reversed, overlap or lie outside of the clip, and for frames with
+    NaN or with a mask.
     """
+    if np.ma.isMaskedArray(frames) or not np.isfinite(frames).all():
+        raise ValueError(f"{name}: frames holds NaN, infinite or masked pixels; fill them first")
     index = np.arange(len(frames)) if index is None else index
+    regular = time is None
     time = index * (1000.0 / fps) if time is None else time
+    if interval is None:
+        interval = np.full(len(index), 1000.0 / fps) if regular else np.diff(time, prepend=time[0] - 1000.0 / fps)
     kinds = {"alarm": windows, "silent": silent}
-    check_stretches(name, int(index[-1]), kinds)
+    check_stretches(name, int(index[-1]) if count is None else count - 1, kinds)
     paired = {kind: tuple((int(first), int(last)) for first, last in pairs) for kind, pairs in kinds.items()}
-    clip = Footage(name, frames, float(fps), index, time, paired["alarm"], paired["silent"], contact)
+    clip = Footage(name, frames, float(fps), index, time, interval, paired["alarm"], paired["silent"], contact)
     for window, inside in zip(clip.windows, clip.in_windows(), strict=True):
         if not inside.any():
             raise ValueError(f"{name}: alarm {window[0]} to {window[1]} holds repeated frames alone; widen it")
     return clip
 
 
-def check_stretches(name: str, last: int, kinds: Mapping[str, Sequence[Sequence[int]]]) -> None:
+def check_stretches(name: str, last: float | int, kinds: Mapping[str, Sequence[Sequence[int]]]) -> None:
     """Raise `ValueError` for a stretch that is reversed, lies outside of frames 0 to `last`, or meets another one."""
     named = []
     for kind, pairs in kinds.items():

@@ -1,6 +1,7 @@
 """Labelled clips, read from a TOML file: recorded ones beside it, and rendered ones whose geometry is their label."""
 
 import dataclasses
+import math
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
@@ -13,13 +14,14 @@ from lgmd2jax._files.catalogue import read_named
 from lgmd2jax._protocol.arguments import check_keys, section
 from lgmd2jax._protocol.protocol import eye_of
 from lgmd2jax._signals import stretches
-from lgmd2jax._video.clip import open_clip, window_of
-from lgmd2jax.alarms._decoded import Decoded, decoded
+from lgmd2jax._video.clip import Clip, open_clip, window_of
+from lgmd2jax._video.recording import Recording
+from lgmd2jax.alarms._decoded import decoded
 from lgmd2jax.alarms._footage import Footage, check_stretches, footage
 from lgmd2jax.stimuli import Encounter, encounters
 
 _CLIP = ("name", "file", "fps", "resize", "crop", "drop_duplicates", "alarm", "silent", "contact", "before_ms")
-_CLIP += ("grace_ms", "settle")
+_CLIP += ("grace_ms", "settle", "white", "until_damage")
 _SETTLE = 10  # frames at the beginning of a clip that are not judged: the network comes to rest
 _GRACE_MS = 1000.0  # after contact nothing is judged: the camera jolts
 
@@ -59,11 +61,28 @@ class FootageFile:
     folder: Path
 
     def load(self, progress: Callable[[Iterable], Iterable] = iter) -> tuple[Footage, ...]:
-        """All clips, recorded ones first. `progress` wraps the loop over them."""
-        jobs: list[Callable[[], Iterator[Footage]]] = [lambda it=it: iter([_recorded(it, self)]) for it in self.clips]
+        """All clips, recorded ones first. `progress` wraps the loop over them.
+
+        All are opened and their labels checked before the first is decoded.
+
+        **Raises:** `ValueError` that names all clips whose labels or files are wrong.
+        """
+        opened = self._opened()
+        jobs: list[Callable[[], Iterator[Footage]]] = [lambda it=it: iter([_recorded(*it)]) for it in opened]
         if self.rendered is not None:
             jobs.append(lambda: rendered(self.eye, self.rendered))
         return tuple(clip for job in progress(jobs) for clip in job())
+
+    def _opened(self) -> list[tuple[dict[str, Any], Path, Clip]]:
+        opened, faults = [], []
+        for table in self.clips:
+            try:
+                opened.append(_open(table, self))
+            except (ValueError, OSError) as fault:
+                faults.append(str(fault))
+        if faults:
+            raise ValueError("; ".join(faults))
+        return opened
 
 
 def load_footage(source: str | Path) -> FootageFile:
@@ -85,7 +104,7 @@ def load_footage(source: str | Path) -> FootageFile:
     drop_duplicates = true      # for a file whose frame rate was converted
     crop = ":,36:397"           # rows and columns to use
     # before_ms = [1000, 0]     # instead of alarm: from so long before contact to so long before it
-    # fps = 30, name = "crash", resize = 108, grace_ms = 1000, settle = 10
+    # fps = 30, name = "crash", resize = 108, white = 4095, until_damage = true, grace_ms = 1000, settle = 10
 
     [rendered]                  # clips without end; their label is the time to contact by geometry
     count = 100
@@ -143,36 +162,71 @@ def _footage_file(path: Path, table: dict[str, Any]) -> FootageFile:
     return FootageFile(path.stem, eye, tuple(clips), Rendered(**wanted) if wanted else None, folder)
 
 
-def _recorded(table: dict[str, Any], file: FootageFile) -> Footage:
-    """A clip of the file with its labels."""
+def _open(table: dict[str, Any], file: FootageFile) -> tuple[dict[str, Any], Path, Clip]:
+    """A clip of the file, its labels checked as far as they can be before it is decoded."""
     place = file.folder / table["file"]
-    name = table.get("name", place.stem)
     crop = None if "crop" not in table else window_of(table["crop"])
-    clip = open_clip(place, fps=table.get("fps"), crop=crop, resize=table.get("resize", file.eye.cols))
-    seen = decoded(clip, place, bool(table.get("drop_duplicates", False)))
-    last = int(seen.index[-1])
-    contact = table.get("contact")
+    clip = open_clip(
+        place,
+        fps=table.get("fps"),
+        crop=crop,
+        resize=table.get("resize", file.eye.cols),
+        white=table.get("white"),
+        until_damage=bool(table.get("until_damage", False)),
+    )
+    _check_labels(table, _name(table), clip.count)
+    return table, place, clip
+
+
+def _name(table: dict[str, Any]) -> str:
+    return table.get("name", Path(table["file"]).stem)
+
+
+def _check_labels(table: dict[str, Any], name: str, count: int | None) -> None:
+    """Labels are frames of the file, repeated ones included; `count` is their number where the file announces it."""
+    contact, last = table.get("contact"), math.inf if count is None else count - 1
     if contact is not None and not (isinstance(contact, int) and 0 <= contact <= last):
         raise ValueError(f"{name}: contact is {contact!r}; give a frame of 0 to {last}")
+    check_stretches(name, last, {kind: table.get(kind) or [] for kind in ("alarm", "silent")})
+    if "before_ms" in table:
+        before = table["before_ms"]
+        if contact is None:
+            raise ValueError(f"{name}: before_ms counts from contact, which is not given; give its frame")
+        if not (isinstance(before, list) and len(before) == 2 and before[0] > before[1] >= 0):
+            raise ValueError(f"{name}: before_ms is {before!r}; give two times before contact, as [1000, 0]")
+
+
+def _recorded(table: dict[str, Any], place: Path, clip: Clip) -> Footage:
+    """A clip of the file with its labels."""
+    options = table.get("white"), table.get("until_damage")
+    recording = decoded(clip, place, bool(table.get("drop_duplicates", False)), options)
+    name, contact, last = _name(table), table.get("contact"), recording.count - 1
+    _check_labels(table, name, recording.count)
     windows = table.get("alarm", [])
     if "before_ms" in table:
-        windows = [_before(name, table["before_ms"], contact, seen)]
+        windows = [_before(table["before_ms"], contact, recording)]
     silent = table.get("silent")
     if silent is None:
-        check_stretches(name, last, {"alarm": windows})
-        grace = seen.frame_at(seen.time_of(contact) + table.get("grace_ms", _GRACE_MS)) if contact is not None else -1
+        grace = -1
+        if contact is not None:
+            grace = recording.frame_at(recording.time_of(contact) + table.get("grace_ms", _GRACE_MS))
         silent = _rest(windows, table.get("settle", _SETTLE), contact, grace, last)
     return footage(
-        name, seen.frames, seen.fps, windows=windows, silent=silent, contact=contact, index=seen.index, time=seen.time
+        name,
+        recording.frames,
+        recording.fps,
+        windows=windows,
+        silent=silent,
+        contact=contact,
+        index=recording.index,
+        time=recording.time,
+        interval=recording.interval,
+        count=recording.count,
     )
 
 
-def _before(name: str, before: Any, contact: int | None, seen: Decoded) -> tuple[int, int]:
-    if contact is None:
-        raise ValueError(f"{name}: before_ms counts from contact, which is not given; give its frame")
-    if not (isinstance(before, list) and len(before) == 2 and before[0] > before[1] >= 0):
-        raise ValueError(f"{name}: before_ms is {before!r}; give two times before contact, as [1000, 0]")
-    first, last = (seen.frame_at(seen.time_of(contact) - it) for it in before)
+def _before(before: list, contact: int, recording: Recording) -> tuple[int, int]:
+    first, last = (recording.frame_at(recording.time_of(contact) - ms) for ms in before)
     return first, last
 
 

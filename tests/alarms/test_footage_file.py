@@ -64,7 +64,7 @@ def test_without_a_silence_all_else_is_silent_but_the_beginning_and_the_time_aft
 def test_a_clip_is_decoded_once_and_again_when_it_changes(place, monkeypatch):
     text = '[[clip]]\nfile = "crash.mkv"\n'
     (first,) = load(place, text)
-    monkeypatch.setattr("lgmd2jax._video.clip.Clip._seen", lambda *_: pytest.fail("decoded again"))
+    monkeypatch.setattr("lgmd2jax._video.clip.Clip.record", lambda *_: pytest.fail("decoded again"))
     (second,) = load(place, text)
     np.testing.assert_array_equal(first.frames, second.frames)
     monkeypatch.undo()
