@@ -10,9 +10,7 @@ from lgmd2jax._characterise import (
 )
 from lgmd2jax._eye import Eye as Eye
 from lgmd2jax._handover.model_file import load as load, save as save
-from lgmd2jax._network.ablation import ABLATIONS as ABLATIONS, ablate as ablate
 from lgmd2jax._network.abstract import Network as Network, Response as Response, State as State
-from lgmd2jax._network.frame_rate import at_frame_rate as at_frame_rate
 from lgmd2jax._network.lgmd2 import LGMD2 as LGMD2
 from lgmd2jax._network.parameters import (
     PRESETS as PRESETS,
@@ -29,6 +27,7 @@ from lgmd2jax._network.thresholds import (
     Thresholds as Thresholds,
     Widths as Widths,
 )
+from lgmd2jax._network.variants import ABLATIONS as ABLATIONS, ablate as ablate, at_frame_rate as at_frame_rate
 from lgmd2jax._network.yue_rind import (
     YueRindLayers as YueRindLayers,
     YueRindLGMD1 as YueRindLGMD1,

@@ -13,10 +13,9 @@ from lgmd2jax._characterise.measured import Measured, measured, result_of
 from lgmd2jax._characterise.result import Characterisation, JudgedAs
 from lgmd2jax._characterise.selectivity import Estimate, intervals
 from lgmd2jax._eye import Eye
-from lgmd2jax._network.ablation import ablate, mechanisms_of
 from lgmd2jax._network.abstract import Network
-from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._network.parameters import symbols
+from lgmd2jax._network.variants import ablate
 from lgmd2jax.fitting import Fit
 
 _SLOWEST, _COARSEST, _NARROWEST = 10.0, 10.0, 40.0  # fps, degrees a pixel, degrees of field
@@ -61,7 +60,7 @@ def ablations(model: Network, *, progress: bool = False) -> dict[str, Characteri
     **Raises:** `ValueError` as for `characterise`.
     """
     exam, neuron = exam_of(_usable(model)), _neuron(model)
-    out = [it for it in ("ffi", "sfa", "lateral", "on") if it in mechanisms_of(model)]
+    out = [it for it in ("ffi", "sfa", "lateral", "on") if it in model.ablations]
     variants = {"intact": model} | {f"without {it}": ablate(model, it) for it in out}
     return {name: _found(it, exam, neuron, progress) for name, it in variants.items()}
 
@@ -116,9 +115,7 @@ def _neuron(model: Network) -> JudgedAs:
     for name in symbols(type(model.parameters)):
         if shape := np.shape(getattr(model.parameters, name)):
             raise ValueError(f"{name} has shape {shape}; give one model, and loop over a batch")
-    if not isinstance(model, LGMD2):
-        return "LGMD1"
-    return "LGMD1" if float(model.parameters.theta1) >= float(model.parameters.theta2) / 2 else "LGMD2"
+    return model.neuron
 
 
 def _usable(model: Network) -> Eye:

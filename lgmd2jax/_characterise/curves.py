@@ -14,7 +14,7 @@ from jaxtyping import Array, Bool, Float
 from lgmd2jax._characterise.exam import Exam, Sums, at_rate
 from lgmd2jax._characterise.extremes import largest
 from lgmd2jax._characterise.trials import REFERENCE, textured
-from lgmd2jax._network.abstract import Network, channels
+from lgmd2jax._network.abstract import Network
 from lgmd2jax._signals import vertex
 
 _REST_MS = 200.0  # last part of the lead-in, whose mean is rest
@@ -90,11 +90,11 @@ class Curves(eqx.Module):
 def curves_of(exam: Exam, sums: Sums, model: Network) -> Curves:
     """The cell stage. It maps over the cell's parameters: pixels are not looked at again."""
     smp, smp_adapted = [], []
-    for group, (mp, f) in zip(exam.groups, sums, strict=True):
+    for group, of_group in zip(exam.groups, sums, strict=True):
         own, interval = at_rate(model, exam, group[0].fps), jnp.asarray(1000 / group[0].fps, dtype=float)
-        found = jax.vmap(partial(channels, own, interval=interval, pixels=exam.eye.rows * exam.eye.cols))(mp, f)
-        smp.append(found["smp"])
-        smp_adapted.append(found["smp_adapted"])
+        response = jax.vmap(partial(own.respond, interval=interval, pixels=exam.eye.rows * exam.eye.cols))(of_group)
+        smp.append(response.smp)
+        smp_adapted.append(response.smp_adapted)
     return normalised(exam, smp, smp_adapted)
 
 

@@ -12,11 +12,12 @@ from tqdm import tqdm
 
 from lgmd2jax._characterise.trials import Trial, all_trials
 from lgmd2jax._eye import Eye
-from lgmd2jax._network.abstract import Network, potentials
-from lgmd2jax._network.frame_rate import at_frame_rate
+from lgmd2jax._network.abstract import Network
+from lgmd2jax._network.stages import Sums as OneSum
+from lgmd2jax._network.variants import at_frame_rate
 
 # MP and F of each group of trials: all that the cell sees.
-Sums = tuple[tuple[Float[Array, "_trial _time"], Float[Array, "_trial _time"]], ...]
+Sums = tuple[OneSum, ...]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -73,7 +74,7 @@ def sums(exam: Exam, model: Network, progress: bool = False) -> Sums:
     stacked = []
     for group in exam.groups:
         mp, f = zip(*(next(results) for _ in group), strict=True)
-        stacked.append((jnp.stack(mp), jnp.stack(f)))
+        stacked.append(OneSum(jnp.stack(mp), jnp.stack(f)))
     return tuple(stacked)
 
 
@@ -91,4 +92,4 @@ def at_rate(model: Network, exam: Exam, fps: float) -> Network:
 
 @eqx.filter_jit
 def _potentials(model: Network, frames, interval) -> tuple[Array, Array]:
-    return potentials(model, frames, interval)[:2]
+    return model.sums(frames, interval)[0]

@@ -17,6 +17,7 @@ from lgmd2jax._handover.test_vector import make_test_vector
 from lgmd2jax._network.abstract import Network
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._network.parameters import Parameters, symbols
+from lgmd2jax._network.structure import structure_of
 
 Plain = str | int | float | bool
 
@@ -43,7 +44,7 @@ def save(model: Network, path: str | os.PathLike, provenance: Mapping[str, Plain
     eye = None if model.eye is None else dataclasses.asdict(model.eye)
     if eye is not None:
         eye |= {name: float(eye[name]) for name in ("degrees_per_pixel", "fps") if eye[name] is not None}
-    structure = {"n_p": model.n_p, "low_pass": model.low_pass, "N_ts": model.N_ts}
+    structure = structure_of(model)
     content = {
         "format": hard.FORMAT,
         "version": hard.VERSION,

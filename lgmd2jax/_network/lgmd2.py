@@ -1,21 +1,22 @@
-"""The LGMD2: its two stages, pixels and cell, put together as a `Network`."""
+"""The LGMD2: its two stages, pixels and cell, put together as a network."""
 
+import dataclasses
 from typing import ClassVar
 
 import equinox as eqx
 
 from lgmd2jax._eye import Eye
-from lgmd2jax._network.abstract import Network
-from lgmd2jax._network.lobula import CellState, cell_step
+from lgmd2jax._network.abstract import AbstractNetwork, Neuron
+from lgmd2jax._network.lobula import Cell
 from lgmd2jax._network.low_pass import LOW_PASS_FORMS, LowPass
 from lgmd2jax._network.parameters import Parameters
-from lgmd2jax._network.pixels import PixelState, Traces, pixel_step
-from lgmd2jax._network.sensitivity import potentials
+from lgmd2jax._network.pixels import Pixels
+from lgmd2jax._network.retina import unstable_persistence
+from lgmd2jax._network.structure import counts, one_of
 from lgmd2jax._network.thresholds import Hard, Thresholds
-from lgmd2jax._words import nearest
 
 
-class LGMD2(Network):
+class LGMD2(AbstractNetwork):
     """The collision-selective network of Fu, Hu & Yue, differentiable and streaming.
 
     ```python
@@ -38,32 +39,39 @@ class LGMD2(Network):
     **Raises:** `ValueError` for structure that does not exist and for persistence that is not stable.
     """
 
-    pixel_parameters: ClassVar = ("theta1", "theta2", "theta3", "tau1", "w_bias", "sigma1", "T_s", "u")
+    ablations: ClassVar = {
+        "ffi": {"T_ffi": 1e9},
+        "sfa": {"T_sfa": -1.0, "tau3": 1e9},
+        "lateral": {"w_bias": 0.0},
+        "on": {"theta1": 0.0, "theta3": 0.0},
+        "off": {"theta2": 0.0, "theta3": 0.0},
+    }
     parameters: Parameters = eqx.field(default_factory=Parameters)
     thresholds: Thresholds = eqx.field(default_factory=Hard)
-    n_p: int = eqx.field(default=0, static=True)
-    low_pass: LowPass = eqx.field(default="backward_euler", static=True)
-    N_ts: int = eqx.field(default=4, static=True)
+    n_p: int = counts(0, "frames", least=0)
+    low_pass: LowPass = one_of("backward_euler", LOW_PASS_FORMS)
+    N_ts: int = counts(4, "frames", least=0, at_interval=lambda frames, ratio: max(round((frames + 1) / ratio) - 1, 0))
     eye: Eye | None = eqx.field(default=None, static=True)
 
-    def __check_init__(self):
-        for name in ("n_p", "N_ts"):
-            if not isinstance(getattr(self, name), int) or getattr(self, name) < 0:
-                raise ValueError(f"{name} is {getattr(self, name)!r}; give a whole number of frames, 0 or more")
-        if self.low_pass not in LOW_PASS_FORMS:
-            raise ValueError(f"low_pass is {self.low_pass!r}; choose {nearest(self.low_pass, LOW_PASS_FORMS)}")
+    @property
+    def pixels(self) -> Pixels:
+        return Pixels(self.parameters, self.thresholds, self.n_p, self.low_pass)
 
-    def _pixels_at_rest(self, frame):
-        return PixelState(frame, Traces.rest(frame, self.n_p))
+    @property
+    def cell(self) -> Cell:
+        return Cell(self.parameters, self.thresholds, self.low_pass, self.N_ts)
 
-    def _pixel_step(self, state, frame, interval):
-        return pixel_step(self, state, frame, interval)
+    @property
+    def neuron(self) -> Neuron:
+        """A circuit whose ON pathway counts is meant to answer light objects."""
+        return "LGMD1" if float(self.parameters.theta1) >= float(self.parameters.theta2) / 2 else "LGMD2"
 
-    def _potentials(self, frames, interval, record):
-        return potentials(self, frames, interval, record)
+    def at_interval(self, ratio: float):
+        """As of any network, but that persistence over more than one frame stays as it is."""
+        other = super().at_interval(ratio)
+        if self.n_p == 1:
+            return other
+        return dataclasses.replace(other, parameters=dataclasses.replace(other.parameters, u=self.parameters.u))
 
-    def _cell_at_rest(self, dtype):
-        return CellState.rest(self.N_ts, dtype)
-
-    def _cell_step(self, state, mp, f, parameters, interval, pixels):
-        return cell_step(state, mp, f, parameters, self.thresholds, interval, pixels, self.low_pass)
+    def conflicts(self):
+        return unstable_persistence(self.parameters.u, self.n_p)

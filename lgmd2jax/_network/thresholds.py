@@ -11,7 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from lgmd2jax._network.parameters import _scalar
+from lgmd2jax._network.parameter_set import scalar
 from lgmd2jax._types import Map, Scalar, is_concrete
 
 
@@ -23,12 +23,12 @@ class Widths(eqx.Module):
     - `collision`: in spikes.
     """
 
-    s: Float[Array, ""] = eqx.field(default=0.1, converter=_scalar)
-    ffi: Float[Array, ""] = eqx.field(default=0.03, converter=_scalar)
-    sfa: Float[Array, ""] = eqx.field(default=1.0, converter=_scalar)
-    floor: Float[Array, ""] = eqx.field(default=0.002, converter=_scalar)
-    spikes: Float[Array, ""] = eqx.field(default=0.01, converter=_scalar)
-    collision: Float[Array, ""] = eqx.field(default=0.1, converter=_scalar)
+    s: Float[Array, ""] = eqx.field(default=0.1, converter=scalar)
+    ffi: Float[Array, ""] = eqx.field(default=0.03, converter=scalar)
+    sfa: Float[Array, ""] = eqx.field(default=1.0, converter=scalar)
+    floor: Float[Array, ""] = eqx.field(default=0.002, converter=scalar)
+    spikes: Float[Array, ""] = eqx.field(default=0.01, converter=scalar)
+    collision: Float[Array, ""] = eqx.field(default=0.1, converter=scalar)
 
 
 class Thresholds(eqx.Module):
@@ -89,7 +89,7 @@ class Soft(Thresholds):
     **Raises:** `ValueError` for a temperature that is not positive.
     """
 
-    temperature: Float[Array, ""] = eqx.field(default=1.0, converter=_scalar)
+    temperature: Float[Array, ""] = eqx.field(default=1.0, converter=scalar)
     widths: Widths = eqx.field(default_factory=Widths)
 
     def __check_init__(self):
@@ -128,7 +128,7 @@ class StraightThrough(Thresholds):
     **Raises:** `ValueError` for a temperature that is not positive.
     """
 
-    temperature: Float[Array, ""] = eqx.field(default=1.0, converter=_scalar)
+    temperature: Float[Array, ""] = eqx.field(default=1.0, converter=scalar)
     widths: Widths = eqx.field(default_factory=Widths)
 
     def __check_init__(self):

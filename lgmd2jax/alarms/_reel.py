@@ -9,7 +9,6 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Real
 
 from lgmd2jax._compute.batching import each
-from lgmd2jax._network.abstract import channels, potentials
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax.alarms._evidence import evidence
 from lgmd2jax.alarms._footage import Footage
@@ -33,16 +32,16 @@ class Reel(eqx.Module):
 
     def sums(self, model: LGMD2) -> Sums:
         """MP and F of every clip. Pixels compute in float32; whole grey levels are kept as such until then."""
-        return each(lambda it: potentials(model, it[0].astype(jnp.float32), it[1])[:2], (self.frames, self.interval))
+        return each(lambda clip: model.sums(clip[0].astype(jnp.float32), clip[1])[0], (self.frames, self.interval))
 
     def traces(self, model: LGMD2, sums: Sums, N_sp: int) -> Float[Array, "clip time"]:
         """The evidence for an alarm in every frame."""
         pixels = self.frames[0, 0].size
 
-        def potential(mp, f, interval):
-            return channels(model, mp, f, interval, pixels)["smp_adapted"]
+        def potential(sums, interval):
+            return model.respond(sums, interval, pixels).smp_adapted
 
-        u = jax.vmap(potential)(*sums, self.interval)
+        u = jax.vmap(potential)(sums, self.interval)
         return evidence(u, model.parameters.sigma_sp, N_sp, model.N_ts)
 
 

@@ -14,7 +14,7 @@ from lgmd2jax._eye import Eye
 from lgmd2jax._files.atomic import replaced
 from lgmd2jax._handover.named import model_file, model_named
 from lgmd2jax._network.abstract import Network
-from lgmd2jax._network.frame_rate import at_frame_rate
+from lgmd2jax._network.variants import at_frame_rate
 from lgmd2jax._results.fit_folder import MARKER, load_fit
 from lgmd2jax.fitting import Fit
 

@@ -12,7 +12,8 @@ from jax.tree_util import Partial
 from jaxtyping import Array, Bool, Float
 
 from lgmd2jax._compute.batching import each
-from lgmd2jax._network.abstract import Network, channels, potentials
+from lgmd2jax._network.abstract import Network
+from lgmd2jax._network.stages import Sums
 from lgmd2jax._targets.observation import Observation
 from lgmd2jax._targets.target import Target
 from lgmd2jax.fitting._free import Free
@@ -68,7 +69,7 @@ class Problem(Space[Network]):
         """MP and F of every condition: all that the cell sees."""
 
         def one(batch: Batch):
-            return each(lambda it: potentials(model, *it)[:2], (batch.frames, batch.interval))
+            return each(lambda clip: model.sums(*clip)[0], (batch.frames, batch.interval))
 
         return tuple(one(batch) for batch in self.batches)
 
@@ -76,13 +77,12 @@ class Problem(Space[Network]):
         """The predicted curve of every slot of every batch."""
         curves = []
         for batch, (mp, f) in zip(self.batches, seen, strict=True):
-            pixels = batch.frames[0, 0].size
+            pixels, channels = batch.frames[0, 0].size, [slot.channel for slot in batch.slots]
 
-            def one(mp, f, interval, time, batch=batch, pixels=pixels):
-                out = channels(model, mp, f, interval, pixels)
-                if any(slot.channel == "rate" for slot in batch.slots):
-                    out["rate"] = observation(out["smp_adapted"], time)
-                return [out[slot.channel] for slot in batch.slots]
+            def one(mp, f, interval, time, pixels=pixels, channels=channels):
+                response = model.respond(Sums(mp, f), interval, pixels)
+                rate = observation(response.smp_adapted, time) if "rate" in channels else None
+                return [rate if channel == "rate" else getattr(response, channel) for channel in channels]
 
             curves.append(jax.vmap(one)(mp, f, batch.interval, batch.time))
         return curves

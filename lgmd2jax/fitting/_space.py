@@ -28,7 +28,7 @@ class Space(eqx.Module, Generic[AnyNetwork]):
     @property
     def pixel_indices(self) -> tuple[int, ...]:
         """The free parameters that the pixels need."""
-        return self.free.indices(*self.model.pixel_parameters)
+        return tuple(i for i, it in enumerate(self.free.freedoms) if it.symbol.stage == "pixels")
 
     @property
     def cell_indices(self) -> tuple[int, ...]:

@@ -20,6 +20,7 @@ from lgmd2jax._characterise.curves import (
 )
 from lgmd2jax._characterise.exam import Exam
 from lgmd2jax._characterise.rows_looming import LOOMS, law_of_peaks, peak_leads
+from lgmd2jax._network.stages import Sums
 from lgmd2jax._signals import line_through
 from tests.characterise.signals import EYE, curves, eta
 
@@ -137,7 +138,7 @@ def test_the_cell_stage_maps_over_models():
     time = exam.trial(trials.REFERENCE).time
     mp = 3000 * np.exp(-(((time + 150) / 60) ** 2))
     f = 8 * np.exp(-(((time + 100) / 60) ** 2))
-    sums = ((jnp.asarray(mp)[None], jnp.asarray(f)[None]),)
+    sums = (Sums(jnp.asarray(mp)[None], jnp.asarray(f)[None]),)
 
     def one(T_ffi, tau3):
         model = lgmd.LGMD2(lgmd.Parameters(T_ffi=T_ffi, tau3=tau3), eye=EYE)
