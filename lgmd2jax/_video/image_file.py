@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 import tifffile
-from PIL import Image
+from PIL import Image, ImageFile
 
 from lgmd2jax._video.image_pixels import ImagePixels, remarks_on_depth
 from lgmd2jax._video.orientation import Orientation
@@ -78,9 +78,9 @@ def _pillow(path: Path) -> Iterator[_Raw]:
             yield _pillow_page(image, page, path)
 
 
-def _pillow_page(image: Image.Image, page: int, path: Path) -> _Raw:
+def _pillow_page(image: ImageFile.ImageFile, page: int, path: Path) -> _Raw:
     image.seek(page)
-    stored = str(image.tile[0][3]) if getattr(image, "tile", None) else ""
+    stored = str(image.tile[0][3]) if image.tile else ""
     if ";16" in stored and not image.mode.startswith("I"):
         return _deep_colours(path)
     image.load()  # turns a TIFF, and then drops its tag
@@ -95,7 +95,7 @@ def _pillow_page(image: Image.Image, page: int, path: Path) -> _Raw:
         raise ValueError("its colours are CIELAB; save it as RGB or grey")
     if image.has_transparency_data:
         colours = np.asarray(image.convert("RGBA"))
-        return _Raw(colours[..., :3], 255.0, np.float32(colours[..., 3]) / 255, orientation)
+        return _Raw(colours[..., :3], 255.0, colours[..., 3].astype(np.float32) / 255, orientation)
     return _Raw(np.asarray(image.convert("RGB")), 255.0, None, orientation)
 
 
@@ -113,7 +113,7 @@ def _deep_colours(path: Path) -> _Raw:
             values = next(container.decode(video=0)).to_ndarray(format="rgba64le")
     except (FFmpegError, StopIteration) as error:
         raise ValueError(f"{error}") from error
-    return _Raw(values[..., :3], 65535.0, np.float32(values[..., 3]) / 65535)
+    return _Raw(values[..., :3], 65535.0, values[..., 3].astype(np.float32) / 65535)
 
 
 def _netpbm(path: Path) -> Iterator[_Raw]:
@@ -146,8 +146,7 @@ def _tiff(path: Path) -> Iterator[_Raw]:
     with contextlib.ExitStack() as stack:
         tiff, image = stack.enter_context(tifffile.TiffFile(path)), None
         _check_axes(tiff)
-        stack = (tiff.imagej_metadata or {}).get("images", 1)
-        if stack > len(tiff.pages):  # ImageJ describes one page alone where there are many
+        if (tiff.imagej_metadata or {}).get("images", 1) > len(tiff.pages):  # ImageJ describes the first page alone in large files
             for values in tifffile.memmap(path, mode="r"):
                 yield _Raw(np.asarray(values), _full(tiff.pages[0].aspage()))
             return
@@ -189,7 +188,7 @@ def _tiff_page(page: tifffile.TiffPage) -> _Raw:
             values = np.moveaxis(values, 0, -1)
         colours = 3 if page.photometric == tifffile.PHOTOMETRIC.RGB else 1
         if page.extrasamples and page.extrasamples[0] != tifffile.EXTRASAMPLE.UNSPECIFIED:
-            alpha = np.float32(values[..., colours]) / np.float32(full or 1.0)
+            alpha = values[..., colours].astype(np.float32) / np.float32(full or 1.0)
         values = values[..., :colours].squeeze()
     if page.photometric == tifffile.PHOTOMETRIC.MINISWHITE:
         values = _from_white(values, full)

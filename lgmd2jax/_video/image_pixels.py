@@ -43,7 +43,7 @@ class ImagePixels:
         return values.astype(np.float32) * np.float32(255 / self.white)
 
 
-def remarks_on_depth(brightest: float, full: float, told: float | None) -> Iterator[str]:
+def remarks_on_depth(brightest: float | int, full: float | int, told: float | int | None) -> Iterator[str]:
     """What to say of a picture of more than 8 bits that leaves the upper quarters of its range unused."""
     if told is None and full > 255 and 0 < brightest < full / 4:
         bits = next(bits for bits in (8, 10, 12, 14, 16) if brightest < 2**bits)

@@ -48,7 +48,7 @@ class VideoFile:
 
         scaler, count, first, last, end = Scaler(), 0, 0.0, 0.0, 0.0
         with self._opened() as container:
-            stream = container.streams[self._number]
+            stream = next(stream for stream in container.streams.video if stream.index == self._number)
             stream.thread_type = "AUTO"
             try:
                 for frame in container.decode(stream):

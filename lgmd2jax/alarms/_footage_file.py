@@ -203,7 +203,7 @@ def _recorded(table: dict[str, Any], place: Path, clip: Clip) -> Footage:
     name, contact, last = _name(table), table.get("contact"), recording.count - 1
     _check_labels(table, name, recording.count)
     windows = table.get("alarm", [])
-    if "before_ms" in table:
+    if "before_ms" in table and contact is not None:
         windows = [_before(table["before_ms"], contact, recording)]
     silent = table.get("silent")
     if silent is None:

@@ -64,7 +64,7 @@ class AlarmRecipe:
         seen = hashlib.sha256(json.dumps(self.table, sort_keys=True).encode())
         for clip in clips:
             seen.update(repr((clip.fps, clip.windows, clip.silent, clip.contact)).encode())
-            seen.update(np.ascontiguousarray(clip.frames).tobytes() + clip.index.tobytes())
+            seen.update(np.ascontiguousarray(clip.frames).tobytes() + clip.index.tobytes() + clip.interval.tobytes())
         return seen.hexdigest()
 
 

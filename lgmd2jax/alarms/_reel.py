@@ -23,7 +23,7 @@ class Reel(eqx.Module):
     """
 
     frames: Real[Array, "clip time row col"]
-    interval: Float[Array, " clip"]
+    interval: Float[Array, "clip time"]
     windows: Bool[Array, "clip window time"]
     silent: Bool[Array, "clip time"]
     members: tuple[int, ...] = eqx.field(static=True)
@@ -61,9 +61,10 @@ def _reel(clips: Sequence[Footage], members: tuple[int, ...]) -> Reel:
         windows[number, : len(clip.windows), : len(clip.frames)] = clip.in_windows()
         silent[number, : len(clip.frames)] = clip.in_silence()
     frames = [np.pad(it.frames, [(0, length - len(it.frames)), (0, 0), (0, 0)], mode="edge") for it in clips]
+    intervals = [np.pad(clip.interval, (0, length - len(clip.frames)), mode="edge") for clip in clips]
     return Reel(
         frames=jnp.asarray(np.stack(frames)),
-        interval=jnp.asarray([1000 / clip.fps for clip in clips], dtype=float),
+        interval=jnp.asarray(np.stack(intervals), dtype=float),
         windows=jnp.asarray(windows),
         silent=jnp.asarray(silent),
         members=members,
