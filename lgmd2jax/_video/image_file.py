@@ -146,7 +146,9 @@ def _tiff(path: Path) -> Iterator[_Raw]:
     with contextlib.ExitStack() as stack:
         tiff, image = stack.enter_context(tifffile.TiffFile(path)), None
         _check_axes(tiff)
-        if (tiff.imagej_metadata or {}).get("images", 1) > len(tiff.pages):  # ImageJ describes the first page alone in large files
+        if (tiff.imagej_metadata or {}).get("images", 1) > len(
+            tiff.pages
+        ):  # ImageJ describes the first page alone in large files
             for values in tifffile.memmap(path, mode="r"):
                 yield _Raw(np.asarray(values), _full(tiff.pages[0].aspage()))
             return

@@ -2,7 +2,6 @@
 
 import itertools
 from collections.abc import Iterator
-from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -99,11 +98,13 @@ class VideoFile:
     def _rate(self, container, stream) -> float | None:
         """Frames per second by the usual interval: one frame that is held for long makes the average of no use."""
         if not self._has_stamps or container.format.name.endswith("_pipe"):
-            return _number(stream.codec_context.framerate)  # where the coded stream states it
-        stated, usual = _number(stream.average_rate or stream.guessed_rate), _usual_rate(container, stream)
-        if stated and usual and abs(usual / stated - 1) > 0.02:
-            return usual
-        return stated or usual
+            rate = stream.codec_context.framerate  # where the coded stream itself states it
+            return float(rate) if rate else None
+        stated = [float(rate) for rate in (stream.average_rate, stream.guessed_rate) if rate]
+        usual = _usual_rate(container, stream)
+        if usual is None:
+            return stated[0] if stated else None
+        return next((rate for rate in stated if abs(usual / rate - 1) < 0.02), usual)
 
     def _opened(self):
         try:
@@ -152,7 +153,3 @@ def _usual_rate(container, stream) -> float | None:
     usual = np.median(intervals)
     # Containers round to a millisecond.
     return 1 / float(intervals[abs(intervals - usual) <= max(0.001, 0.02 * usual)].mean())
-
-
-def _number(rate: Fraction | None) -> float | None:
-    return float(rate) if rate else None

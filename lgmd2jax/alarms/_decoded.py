@@ -23,7 +23,7 @@ def decoded(clip: Clip, path: Path, drop_duplicates: bool, options: tuple = ()) 
     """
     kept = user_cache_path("lgmd2jax") / "clips" / f"{_digest(clip, path, drop_duplicates, options)}.npz"
     try:
-        with np.load(kept) as file:
+        with open(kept, "rb") as stream, np.load(stream) as file:
             arrays = {name: file[name] for name in ("frames", "index", "time", "interval")}
             return Recording(**arrays, fps=float(file["fps"]), count=int(file["count"]))
     except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):

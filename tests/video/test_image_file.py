@@ -51,9 +51,11 @@ def test_pillow_reads_the_compressed_ones(tmp_path):
 def test_netpbm_states_its_own_white(tmp_path, kind, maxval):
     values = ramp(np.uint16, maxval)
     shown = np.stack([values] * 3, -1) if kind == b"6" else values
-    body = " ".join(map(str, values.ravel())).encode() if kind == b"2" else shown.astype(
-        ">u2" if maxval > 255 else np.uint8
-    ).tobytes()
+    body = (
+        " ".join(map(str, values.ravel())).encode()
+        if kind == b"2"
+        else shown.astype(">u2" if maxval > 255 else np.uint8).tobytes()
+    )
     (tmp_path / "x.pnm").write_bytes(b"P" + kind + b"\n# a camera\n5 4\n%d\n" % maxval + body)
     np.testing.assert_allclose(greys(tmp_path / "x.pnm")[0], values * (255 / maxval), rtol=1e-5, atol=1e-4)
     np.testing.assert_allclose(greys(tmp_path / "x.pnm", white=maxval)[0], greys(tmp_path / "x.pnm")[0])
@@ -104,7 +106,7 @@ def test_12_bits_in_16_without_a_white_level_are_said(tmp_path):
     [
         (ramp(np.float32, 1), None, r"x\.tif as an image: it holds float32 values, up to 1, .* white = 1.0"),
         (ramp(np.uint32, 70000), None, "it holds uint32 values, up to 70000, and no format says"),
-        (np.float32([[0, np.nan, 1]] * 3), 1.0, "it holds NaN"),
+        (np.array([[0, np.nan, 1]] * 3, np.float32), 1.0, "it holds NaN"),
         (ramp(np.int16, 900) - np.int16(5), None, "it holds negative values, down to -5"),
         (ramp(np.float32, 3) / 2, 1.0, "it holds 1.5, above white = 1"),
         (ramp(np.uint8, 255), 4095, "white is 4095, but its values end at 255"),
@@ -141,7 +143,7 @@ def test_a_tiff_whose_0_is_white_is_inverted(tmp_path, bits):
 @pytest.mark.parametrize("kind", ["RGBA", "LA", "P", "RGB", "RGBA16"])
 def test_what_is_transparent_is_laid_on_white_and_said(tmp_path, kind):
     level = np.full((4, 4), 100, np.uint8)
-    alpha = np.uint8([[255, 255, 0, 0]] * 4)
+    alpha = np.array([[255, 255, 0, 0]] * 4, np.uint8)
     for i in range(2):
         if kind == "RGBA16":
             deep = np.dstack([level, level, level, alpha]).astype(np.uint16) * 257
@@ -163,7 +165,7 @@ def test_what_is_transparent_is_laid_on_white_and_said(tmp_path, kind):
 def test_the_orientation_of_a_camera_is_undone(tmp_path, number, suffix):
     from PIL import ImageOps
 
-    shown = np.kron(np.uint8([[20, 90, 160], [230, 60, 120]]), np.ones((16, 16), np.uint8))
+    shown = np.kron(np.array([[20, 90, 160], [230, 60, 120]], np.uint8), np.ones((16, 16), np.uint8))
     exif = Image.Exif()
     exif[274] = number
     plain, path = tmp_path / "plain.png", tmp_path / f"x{suffix}"
@@ -192,7 +194,10 @@ def test_pages_are_frames_also_over_several_files(tmp_path):
     tifffile.imwrite(tmp_path / "one.tif", pages, photometric="minisblack", compression="zlib")
     np.testing.assert_allclose([frame.grey for frame in open_clip(tmp_path / "one.tif", fps=50)], pages, atol=1e-4)
     Image.fromarray(pages[0]).save(
-        tmp_path / "lzw.tif", save_all=True, append_images=[Image.fromarray(page) for page in pages[1:]], compression="tiff_lzw"
+        tmp_path / "lzw.tif",
+        save_all=True,
+        append_images=[Image.fromarray(page) for page in pages[1:]],
+        compression="tiff_lzw",
     )
     np.testing.assert_allclose([frame.grey for frame in open_clip(tmp_path / "lzw.tif", fps=50)], pages, atol=1e-4)
 

@@ -55,7 +55,9 @@ def test_a_file_need_not_start_at_0(tmp_path, suffix):
 # Windows, turns and mirrors
 
 
-@pytest.mark.parametrize(("turn", "hflip", "vflip"), [*itertools.product([0, 90, 180, 270], [False, True], [False, True])])
+@pytest.mark.parametrize(
+    ("turn", "hflip", "vflip"), [*itertools.product([0, 90, 180, 270], [False, True], [False, True])]
+)
 def test_a_display_matrix_turns_and_mirrors_also_windows(tmp_path, turn, hflip, vflip):
     def setup(stream):
         if not hasattr(stream, "set_display_matrix"):
