@@ -2,6 +2,8 @@
 
 import contextlib
 import re
+import struct
+import zlib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
@@ -19,6 +21,9 @@ SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".pbm", ".webp", *NETPBM, *TIFF)
 
 _ORIENTATION, _LARGEST_VALUE = 274, 281  # tags of EXIF and TIFF
 _REDUCED, _MASK = 1, 4  # bits of TIFF's NewSubfileType
+# What the libraries raise for damaged files.
+_DAMAGE = (OSError, SyntaxError, ValueError, LookupError, ArithmeticError, TypeError, RuntimeError, MemoryError)
+_DAMAGE += (zlib.error, struct.error, Image.DecompressionBombError)
 
 
 class _Raw(NamedTuple):
@@ -42,7 +47,7 @@ def read_image(path: Path, white: float | int | None = None) -> Iterator[ImagePi
         read = _tiff if suffix in TIFF else _netpbm if suffix in NETPBM else _pillow
         for raw in read(path):
             yield _pixels(raw, white)
-    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError, tifffile.TiffFileError) as error:
+    except _DAMAGE as error:
         raise ValueError(f"cannot read {path} as an image: {error}") from error
 
 
@@ -61,7 +66,8 @@ def _pixels(raw: _Raw, white: float | int | None) -> ImagePixels:
         raise ValueError(f"white is {white:g}, but its values end at {raw.full:g}")
     level = float(raw.full if white is None else white)  # pyright: ignore[reportArgumentType]
     if values.max() > level:
-        raise ValueError(f"it holds {values.max():g}, above white = {white:g}; give the camera's largest value")
+        bound = f"white = {white:g}; give the camera's largest value" if white else f"its own white of {level:g}"
+        raise ValueError(f"it holds {values.max():g}, above {bound}")
     remarks.extend(remarks_on_depth(float(values.max()), raw.full or 0, white))
     if raw.alpha is not None and (raw.alpha < 1).any():
         remarks.append("it is transparent in places, and is laid on white")

@@ -30,7 +30,7 @@ class VideoFile:
         self._white = white
         self._until_damage = until_damage
         with self._opened() as container:
-            streams = [stream for stream in container.streams.video if not stream.disposition & _COVER]
+            streams = [stream for stream in container.streams.video if not stream.disposition.value & _COVER]
             stream = (streams or container.streams.video)[0]
             self._number = stream.index
             self._has_stamps = not container.format.flags & _NO_TIME_STAMPS
@@ -60,7 +60,7 @@ class VideoFile:
                     if self._has_stamps and frame.time is not None:
                         first = frame.time if count == 0 else first
                         last = frame.time - first
-                        end = last + float(frame.duration * (frame.time_base or 0))
+                        end = last + float((frame.duration or 0) * (frame.time_base or 0))
                         stamp = 1000 * last
                     count += 1
                     yield VideoPixels(frame, scaler, self._orientation(frame), self._aspect, self._white), stamp

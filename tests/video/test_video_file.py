@@ -87,6 +87,8 @@ def test_another_angle_is_refused(tmp_path):
 def test_the_aspect_of_pixels_is_said_and_undone_by_a_resize(tmp_path, turn, shape):
     def setup(stream):
         stream.codec_context.sample_aspect_ratio = Fraction(4, 3)
+        if turn and not hasattr(stream, "set_display_rotation"):
+            pytest.skip("this version of PyAV reads rotated video but cannot write it")
         if turn:
             stream.set_display_rotation(turn)
 
