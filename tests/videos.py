@@ -12,7 +12,16 @@ def noise(count, shape=(24, 33), seed=0):
 
 
 def write_video(
-    path, pictures, codec="ffv1", pixels="bgr0", stamps_ms=None, rotation=0, rate=30, given="rgb24", setup=None, **options
+    path,
+    pictures,
+    codec="ffv1",
+    pixels="bgr0",
+    stamps_ms=None,
+    rotation=0,
+    rate=30,
+    given="rgb24",
+    setup=None,
+    **options,
 ):
     """Lossless by default, with a time stamp each if they are given.
 

@@ -36,6 +36,7 @@ class VideoFile:
             self._has_stamps = not container.format.flags & _NO_TIME_STAMPS
             # Matroska counts its duration from 0, wherever the first frame stands.
             self._from_zero = "matroska" in container.format.name
+            self._is_avi = container.format.name == "avi"
             self._aspect = float(stream.sample_aspect_ratio or 1)
             self._seconds = _announced_seconds(container, stream)
             self.count = stream.frames or None
@@ -78,7 +79,8 @@ class VideoFile:
         margin = 1.5 / self.fps if self.count else 0.02 * announced + 3 / self.fps
         if max(end, last + 1 / self.fps) < announced - margin:
             self._damaged(f"it announces {announced:.3g} s and ends after {end:.3g} s")
-        elif self.count and count < self.count - 1:
+        elif self._is_avi and self.count and count < self.count - 1:
+            # Other containers announce also the frames that a trimmed file does not show.
             warn(f"{self.path}: it announces {self.count} frames and holds {count}; their time stamps are used")
 
     def _damaged(self, how: str) -> None:
