@@ -6,8 +6,8 @@ import tifffile
 
 import lgmd2jax as lgmd
 from lgmd2jax._video.clip import open_clip
-from lgmd2jax.alarms import _decoded as module, load_footage, load_recipe
-from lgmd2jax.alarms._reel import reels_of
+from lgmd2jax.alarms import _decoding as module, load_labels, load_recipe
+from lgmd2jax.alarms._clip_batch import batches_of
 from lgmd2jax.cli.respond import responses
 from tests.videos import conversion, noise, write_folder, write_video
 
@@ -83,7 +83,7 @@ def cache(tmp_path, monkeypatch):
 def labelled(folder, path, *lines):
     (folder / "mine.toml").write_text("\n".join([FILE.format(path.name), *lines]))
     (folder / "recipe.toml").write_text(RECIPE)
-    return load_footage(folder / "mine.toml")
+    return load_labels(folder / "mine.toml")
 
 
 def assert_same(folder, path, lines=(), **options):
@@ -100,8 +100,8 @@ def assert_same(folder, path, lines=(), **options):
         np.testing.assert_array_equal(labelled_clip.index, [frame.index for frame in frames])
         np.testing.assert_array_equal(labelled_clip.time, [frame.time for frame in frames])
         np.testing.assert_array_equal(labelled_clip.interval, [frame.interval for frame in frames])
-        (reel,) = reels_of([labelled_clip])
-        evidence = np.asarray(reel.traces(model, reel.sums(model), N_sp=1))[0]
+        (batch,) = batches_of([labelled_clip])
+        evidence = np.asarray(batch.traces(model, batch.sums(model), N_sp=1))[0]
         # The alarm rests on the largest adapted potential of the last N_ts + 1 frames.
         adapted = np.array([row.smp_adapted for row in rows])
         latest = [adapted[max(0, i - model.N_ts) : i + 1].max() for i in range(len(adapted))]

@@ -16,8 +16,8 @@ from lgmd2jax._video.remarks import warn
 _READER = 2  # another number where the same file comes to be read otherwise
 
 
-def decoded(clip: Clip, path: Path, drop_duplicates: bool, options: tuple = ()) -> Recording:
-    """The frames of a clip, from the cache where the same file was read in the same way before.
+def decode(clip: Clip, path: Path, drop_duplicates: bool, options: tuple = ()) -> Recording:
+    """Read the frames of a clip, from the cache where the same file was read in the same way before.
 
     `options`: what else the frames depend on. A cache that cannot be read or written is done without.
     """
@@ -42,5 +42,5 @@ def _digest(clip: Clip, path: Path, drop_duplicates: bool, options: tuple) -> st
     """Of all that the frames depend on. A folder counts by the pictures in it."""
     files = sorted(path.iterdir()) if path.is_dir() else [path]
     stamps = [(file.name, file.stat().st_size, file.stat().st_mtime_ns) for file in files]
-    told = clip.fps, clip.told, clip.window, clip.shape, drop_duplicates, options, _READER
-    return hashlib.sha256(repr((str(path.resolve()), stamps, told)).encode()).hexdigest()[:32]
+    settings = clip.fps, clip.told, clip.window, clip.shape, drop_duplicates, options, _READER
+    return hashlib.sha256(repr((str(path.resolve()), stamps, settings)).encode()).hexdigest()[:32]
