@@ -15,12 +15,11 @@ from matplotlib.image import imread
 import lgmd2jax as lgmd
 from lgmd2jax._characterise import trials
 from lgmd2jax._characterise.characterise import _neuron, differences
-from lgmd2jax._characterise.measured import result_of, unjudged
-from lgmd2jax._characterise.result import Characterisation
+from lgmd2jax._characterise.measurements import result_of, unjudged
+from lgmd2jax._characterise.result import Characterisation, number, table
 from lgmd2jax._characterise.selectivity import UNITS, intervals, selectivity
-from lgmd2jax._characterise.table import number, table
 from lgmd2jax._figures.characterise import characterisation_figure
-from tests.characterise.signals import EXAM, EYE, curves, eta, ideal, onset, seen
+from tests.characterise.signals import EXAM, EYE, curves, eta, examine, ideal, onset
 from tests.fitting.fits import fit_with
 
 SMALL = lgmd.Eye(rows=12, cols=16, degrees_per_pixel=8.0, fps=100.0)
@@ -31,7 +30,7 @@ MODEL = lgmd.LGMD2(lgmd.Parameters(T_s=3.0, T_ffi=3.0, T_sfa=3e-4, k=0.3, sigma1
 def found() -> dict[str, Characterisation]:
     """An ideal neuron and one that answers light looms and halved light otherwise."""
     other = ideal() | {trials.LIGHT_LOOM: eta(40.0, 0.5), trials.HALVED: eta(40.0, 0.7)}
-    return {"ideal": result_of(EXAM, "LGMD2", seen(ideal())), "other": result_of(EXAM, "LGMD2", seen(other))}
+    return {"ideal": result_of(EXAM, "LGMD2", examine(ideal())), "other": result_of(EXAM, "LGMD2", examine(other))}
 
 
 @pytest.mark.parametrize(
@@ -72,7 +71,7 @@ def test_rows_that_are_not_judged_say_why():
     assert unjudged(EYE, "LGMD1") == dict.fromkeys((9, 10, 11, 12), "not meant")
     assert unjudged(dataclasses.replace(EYE, fps=99.0), "LGMD2") == dict.fromkeys((1, 2, 3, 4, 5, 22), "undersampled")
     assert unjudged(dataclasses.replace(EYE, cols=39), "LGMD2") == dict.fromkeys((12, 13, 15), "beyond field")
-    balanced = result_of(EXAM, "LGMD1", seen(ideal()))
+    balanced = result_of(EXAM, "LGMD1", examine(ideal()))
     assert (balanced.passed, balanced.judged) == (18, 18)
     assert balanced[9].passed is None
     assert balanced[9].verdict == "not meant"
@@ -141,7 +140,7 @@ def test_numbers(value, text):
 
 
 def test_json_holds_no_infinite_numbers(found):
-    silent = result_of(EXAM, "LGMD2", seen(ideal(), gain=0.01))
+    silent = result_of(EXAM, "LGMD2", examine(ideal(), gain=0.01))
     text = json.dumps([it.plain() for it in (*found.values(), silent)], allow_nan=False)
     content = json.loads(text)
     assert [it["passed"] for it in content] == [22, 20, 0]
@@ -153,7 +152,7 @@ def test_json_holds_no_infinite_numbers(found):
 
 
 def test_the_figure(found, tmp_path):
-    models = {**found, "silent": result_of(EXAM, "LGMD2", seen(ideal(), gain=0.01))}
+    models = {**found, "silent": result_of(EXAM, "LGMD2", examine(ideal(), gain=0.01))}
     characterisation_figure(tmp_path / "a.png", models)
     picture = imread(tmp_path / "a.png")
     assert min(picture.shape[:2]) > 1000

@@ -19,7 +19,7 @@ from lgmd2jax._characterise.curves import (
     second_rise,
 )
 from lgmd2jax._characterise.exam import Exam
-from lgmd2jax._characterise.rows_looming import LOOMS, law_of_peaks, peak_leads
+from lgmd2jax._characterise.measures_looming import LOOMS, law_of_peaks, peak_leads
 from lgmd2jax._network.stages import Sums
 from lgmd2jax._signals import line_through
 from tests.characterise.signals import EYE, curves, eta
