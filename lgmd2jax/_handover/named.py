@@ -1,6 +1,5 @@
-"""How a command is told its model: by file, by shipped name or by preset, with single parameters set."""
+"""A model by name: a file, a shipped fit or a preset, with single parameters set."""
 
-import argparse
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -15,18 +14,6 @@ from lgmd2jax._network.yue_rind import YueRindLGMD1
 from lgmd2jax._words import nearest
 
 _PRESET, _YUE_RIND = "preset:", "yue_rind"
-
-
-def add_model(parser: argparse.ArgumentParser) -> None:
-    """The arguments --model and --set."""
-    parser.add_argument(
-        "--model",
-        default="preset:lgmd2",
-        help="a hand-over file model.json, the name of a shipped fit, or preset:NAME (default: %(default)s)",
-    )
-    parser.add_argument(
-        "--set", action="append", default=[], metavar="NAME=VALUE", help="set one parameter; may be repeated"
-    )
 
 
 def model_named(name: str) -> Network:

@@ -6,7 +6,7 @@ import functools
 import typing
 import warnings
 from collections.abc import Mapping
-from typing import Any, ClassVar, Literal, TypeVar
+from typing import Any, Literal, TypeVar
 
 import equinox as eqx
 import jax
@@ -43,7 +43,8 @@ class AbstractNetwork(eqx.Module):
     - `thresholds`: `Hard()`, `Soft(temperature)` or `StraightThrough(temperature)`.
     - `eye`: the sampling that the parameters belong to, or None.
     - `pixels`, `cell`: the stages, an `AbstractPixels` and an `AbstractCell`, made from the fields.
-    - `ablations`: by name, the values of parameters that take a mechanism out.
+    - `ablations`: by name, the values of parameters or of other fields that take a mechanism out.
+    - `unused`: the parameters that act on nothing in this structure; a fit refuses to free them.
     - `neuron`: as which neuron the 22 properties judge it; any LGMD unless it says otherwise.
     - `conflicts`: what is wrong with parameters that are right each by itself.
 
@@ -55,7 +56,6 @@ class AbstractNetwork(eqx.Module):
     parameters: eqx.AbstractVar[Any]  # a ParameterSet
     thresholds: eqx.AbstractVar[Thresholds]
     eye: eqx.AbstractVar[Eye | None]
-    ablations: ClassVar[Mapping[str, Mapping[str, float]]] = {}
 
     @property
     @abc.abstractmethod
@@ -66,6 +66,16 @@ class AbstractNetwork(eqx.Module):
     @abc.abstractmethod
     def cell(self) -> AbstractCell:
         """The stage from sums to response."""
+
+    @property
+    def ablations(self) -> Mapping[str, Mapping[str, Any]]:
+        """By name, the values of parameters or of other fields that take a mechanism out."""
+        return {}
+
+    @property
+    def unused(self) -> frozenset[str]:
+        """The parameters that act on nothing in this structure."""
+        return frozenset()
 
     @property
     def neuron(self) -> Neuron:

@@ -41,6 +41,7 @@ class Symbol:
     - `per_frame`: what becomes of it at another frame rate. `"change"`: it is compared with a change in a frame and
       goes with the time that a frame lasts; `"share"`: that much is left after a frame; `"persistence"`:
       1/(1 + exp(u)) is left, where it acts over one frame; `"count"`: it counts in frames.
+    - `mechanism`: the optional mechanism that it belongs to; None for what the network always has.
     """
 
     meaning: str
@@ -51,6 +52,7 @@ class Symbol:
     scale: Literal["linear", "log"] = "linear"
     stage: Stage = "cell"
     per_frame: Rule = "as it is"
+    mechanism: str | None = None
 
     @property
     def limits(self) -> tuple[float, float]:
@@ -90,9 +92,10 @@ def declares(
     *,
     stage: Stage = "cell",
     per_frame: Rule = "as it is",
+    mechanism: str | None = None,
 ):
     """The metadata of a field that is a parameter, for `equinox.field`."""
-    return {"symbol": Symbol(meaning, unit, domain, bounds, source, scale, stage, per_frame)}
+    return {"symbol": Symbol(meaning, unit, domain, bounds, source, scale, stage, per_frame, mechanism)}
 
 
 class Levels(NamedTuple):

@@ -9,14 +9,20 @@ from jaxtyping import Array, Float
 from lgmd2jax._network.parameter_set import Levels, ParameterSet, Symbol, declared, declares, scalar
 from lgmd2jax._words import nearest
 
+_OURS = "; formula and bounds are this project's"
+_SIZE = "inhibition codes size: Wang, Dewell, Zhu & Gabbiani 2018; Gabbiani, Cohen & Laurent 2005" + _OURS
+_SHUNT = "multiplication by division: Keil 2011; exponentiation: Gabbiani et al. 2002" + _OURS
+_LAG = "delays of photoreceptors, lamina and synapses" + _OURS
+_MEMBRANE = "leaky membrane" + _OURS
 _declares = functools.partial(declares, source="Fu, Hu & Yue, Table I")
 
 
 class Parameters(ParameterSet):
     """The network's parameters by the paper's symbols: one floating scalar each, so the whole is a pytree of leaves.
 
-    The defaults are Table I of the paper (point values where it gives a range). `symbols()` says what each means, in
-    which unit, where it may lie and where a fit searches. For a batch of sets, build them under `jax.vmap`.
+    The defaults are Table I of the paper (point values where it gives a range). The last ones belong to mechanisms that
+    the paper's circuit does not have (`LGMD2(mechanisms=...)`); without them they act on nothing. `symbols()` says what
+    each means, in which unit, where it may lie and where a fit searches. For a batch, build them under `jax.vmap`.
 
     **Raises:** `ValueError` for a value outside its domain, when the value is concrete (not traced).
     """
@@ -157,6 +163,73 @@ class Parameters(ParameterSet):
             "(0, inf)",
             (1.0, 10.0),
             per_frame="count",
+        ),
+    )
+    T_p: Float[Array, ""] = eqx.field(
+        default=19.0,
+        converter=scalar,
+        metadata=declares(
+            "height of a step of luminance from which a pixel counts as changed",
+            "grey level",
+            "(0, inf)",
+            (5.0, 60.0),
+            _SIZE,
+            scale="log",
+            stage="pixels",
+            mechanism="size",
+        ),
+    )
+    tau_hold: Float[Array, ""] = eqx.field(
+        default=250.0,
+        converter=scalar,
+        metadata=declares(
+            "how long a changed pixel counts",
+            "ms",
+            "(0, inf)",
+            (30.0, 2000.0),
+            _SIZE,
+            scale="log",
+            stage="pixels",
+            mechanism="size",
+        ),
+    )
+    A_ffi: Float[Array, ""] = eqx.field(
+        default=0.09,
+        converter=scalar,
+        metadata=declares(
+            "share of the field that changed of late, from which the cell is inhibited",
+            "1",
+            "(0, inf)",
+            (0.005, 0.5),
+            _SIZE,
+            scale="log",
+            mechanism="size",
+        ),
+    )
+    m: Float[Array, ""] = eqx.field(
+        default=4.5,
+        converter=scalar,
+        metadata=declares(
+            "steepness of the shunt", "1", "(0, inf)", (1.0, 20.0), _SHUNT, scale="log", mechanism="shunt"
+        ),
+    )
+    gamma: Float[Array, ""] = eqx.field(
+        default=0.65,
+        converter=scalar,
+        metadata=declares("exponent of the excitation", "1", "(0, inf)", (0.3, 1.5), _SHUNT, mechanism="shunt"),
+    )
+    lag: Float[Array, ""] = eqx.field(
+        default=30.0,
+        converter=scalar,
+        metadata=declares(
+            "time from the photoreceptors to the cell", "ms", "[0, inf)", (0.0, 80.0), _LAG, mechanism="lag"
+        ),
+    )
+    tau_cell: Float[Array, ""] = eqx.field(
+        default=26.0,
+        converter=scalar,
+        metadata=declares(
+            "time constant of the membrane", "ms", "[0, inf)", (0.0, 80.0), _MEMBRANE, mechanism="membrane"
         ),
     )
 

@@ -13,13 +13,17 @@ from lgmd2jax._types import Map, Scalar
 
 
 class Traces(eqx.Module):
-    """What the pixels remember of changes, with the border. It is pointwise: neighbours only feed forward."""
+    """What the pixels remember of changes, with the border. It is pointwise: neighbours only feed forward.
+
+    `held`: M, how much of late a pixel changed; for size-coding inhibition alone.
+    """
 
     p: Float[Array, "n_p row_and_border col_and_border"]
     on: Bordered
     off: Bordered
     d_on: Bordered
     d_off: Bordered
+    held: Map | None = None
 
 
 class Signals(NamedTuple):

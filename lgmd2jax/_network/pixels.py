@@ -43,13 +43,15 @@ class Pixels(PixelParts):
     thresholds: Thresholds
     n_p: int = eqx.field(static=True)
     low_pass: LowPass = eqx.field(static=True)
+    codes_size: bool = eqx.field(static=True)
 
     def rest(self, frame: Map) -> PixelState:
         return PixelState(frame, self.traces_at_rest(frame))
 
     def traces_at_rest(self, frame: Map) -> Traces:
         zero = jnp.zeros((frame.shape[0] + 2, frame.shape[1] + 2), frame.dtype)
-        return Traces(jnp.zeros((self.n_p, *zero.shape), zero.dtype), zero, zero, zero, zero)
+        held = jnp.zeros_like(frame) if self.codes_size else None
+        return Traces(jnp.zeros((self.n_p, *zero.shape), zero.dtype), zero, zero, zero, zero, held)
 
     def over(self, frames, interval: Interval, record: Record | None = None):
         if record is None:
@@ -77,7 +79,7 @@ class Pixels(PixelParts):
         )
 
     def remember(self, traces: Traces, change: Bordered, interval: Scalar) -> tuple[Traces, Scalar, Bordered]:
-        """Eqs 1-4 and 13."""
+        """Eqs 1-4, and F: eq. 13 or the share of the field that changed of late."""
         a = coefficient(self.parameters.tau1, interval, self.low_pass)
         p = retina.photoreceptors(change, traces.p, self.parameters.u)
         on, off = retina.half_wave(p)
@@ -86,7 +88,11 @@ class Pixels(PixelParts):
         d_on = low_pass(traces.d_on, on, a)
         d_off = low_pass(traces.d_off, off, a)
         history = jnp.concatenate([p[None], traces.p])[: self.n_p]
-        return Traces(history, on, off, d_on, d_off), retina.mean_change(inside(p)), p
+        if traces.held is None:
+            return Traces(history, on, off, d_on, d_off), retina.mean_change(inside(p)), p
+        changed = self.thresholds.change(inside(d_on + d_off), a * self.parameters.T_p)
+        held = medulla.hold(traces.held, changed, self.parameters.tau_hold, interval)
+        return Traces(history, on, off, d_on, d_off, held), pool(held, 1 / held.size), p
 
     def add_flows(self, signals: Signals) -> Map:
         """Eqs 7 and 8."""

@@ -13,18 +13,22 @@ from lgmd2jax._words import nearest
 class Structure:
     """What a structural field declares of itself.
 
-    - `least`: the smallest whole number that makes sense; None where the value is one of `choices`.
+    - `least`: the smallest whole number that makes sense; None where the value is one of `choices`, or `several`.
     - `at_interval`: what becomes of it where frames last `ratio` times as long.
     """
 
     unit: str
     least: int | None = None
     choices: tuple[str, ...] = ()
+    several: bool = False
     at_interval: Callable[[Any, float], Any] = lambda value, ratio: value
 
     def check(self, name: str, value) -> None:
         """Raise `ValueError` for a value that makes no sense."""
-        if self.least is None:
+        if self.several:
+            if not isinstance(value, tuple) or len(set(value)) < len(value) or not set(value) <= set(self.choices):
+                raise ValueError(f"{name} is {value!r}; give a tuple of {', '.join(map(repr, self.choices))}")
+        elif self.least is None:
             if value not in self.choices:
                 raise ValueError(f"{name} is {value!r}; choose {nearest(value, self.choices)}")
         elif not isinstance(value, int) or isinstance(value, bool) or value < self.least:
@@ -40,6 +44,11 @@ def counts(default: int, unit: str, least: int, at_interval: Callable[[int, floa
 def one_of(default: str, choices: tuple[str, ...]):
     """A structural field that is one of a few names."""
     return eqx.field(default=default, static=True, metadata={"structure": Structure("", choices=choices)})
+
+
+def some_of(choices: tuple[str, ...]):
+    """A structural field that holds some of a few names, none by default."""
+    return eqx.field(default=(), static=True, metadata={"structure": Structure("", choices=choices, several=True)})
 
 
 def structure_fields(kind: type[eqx.Module]) -> dict[str, Structure]:

@@ -1,15 +1,12 @@
 """Variants of a model: without a mechanism, and at another frame rate."""
 
 import dataclasses
-from collections.abc import Mapping
 
 import jax.numpy as jnp
 
 from lgmd2jax._network.abstract import AnyNetwork
-from lgmd2jax._network.lgmd2 import LGMD2
+from lgmd2jax._network.parameter_set import declared
 from lgmd2jax._words import nearest
-
-ABLATIONS: Mapping[str, Mapping[str, float]] = LGMD2.ablations
 
 
 def ablate(model: AnyNetwork, *mechanisms: str) -> AnyNetwork:
@@ -19,6 +16,8 @@ def ablate(model: AnyNetwork, *mechanisms: str) -> AnyNetwork:
     - `"sfa"`: no spike-frequency adaptation; `smp_adapted` is `smp`.
     - `"lateral"`: no inhibition in the local sums (eq. 7).
     - `"on"`, `"off"`: the pathway, and its product with the other, carries no weight (eq. 8).
+    - `"size"`, `"shunt"`, `"lag"`, `"membrane"`: the mechanism that the paper's circuit does not have, where the model
+      has it; without the shunt there is no membrane either.
 
     **Raises:** `ValueError` for another name, and for what the model does not have: a `YueRindLGMD1` has
     FFI and lateral inhibition alone.
@@ -26,11 +25,15 @@ def ablate(model: AnyNetwork, *mechanisms: str) -> AnyNetwork:
     for mechanism in mechanisms:
         if mechanism not in model.ablations:
             raise ValueError(f"mechanism is {mechanism!r}; choose {nearest(mechanism, model.ablations)}")
+        changes = model.ablations[mechanism]
         values = {
             name: jnp.full_like(getattr(model.parameters, name), value)
-            for name, value in model.ablations[mechanism].items()
+            for name, value in changes.items()
+            if name in declared(type(model.parameters))
         }
-        model = dataclasses.replace(model, parameters=dataclasses.replace(model.parameters, **values))
+        fields = {name: value for name, value in changes.items() if name not in values}
+        parameters = dataclasses.replace(model.parameters, **values)
+        model = dataclasses.replace(model, parameters=parameters, **fields)
     return model
 
 

@@ -3,8 +3,6 @@
 As public codes agree on it. I is inhibition, S what it leaves of P, G what grouping makes of S.
 """
 
-from typing import ClassVar
-
 import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
@@ -12,7 +10,7 @@ from jaxtyping import Array, Float
 from lgmd2jax._eye import Eye
 from lgmd2jax._network import medulla, retina
 from lgmd2jax._network.abstract import AbstractNetwork
-from lgmd2jax._network.lobula import membrane_potential
+from lgmd2jax._network.lobula import gated
 from lgmd2jax._network.maps import bordered, pool
 from lgmd2jax._network.parameter_set import Levels, ParameterSet, declares, scalar
 from lgmd2jax._network.stages import AbstractCell, AbstractPixels, Response, Sums
@@ -205,7 +203,7 @@ class YueRindCell(AbstractCell):
     def step(self, state, sums, interval, pixels):
         v, one = self.parameters, jnp.ones_like(sums.mp)
         threshold = v.T_ffi + v.alpha_ffi * state.threshold
-        kappa = membrane_potential(sums.mp, one, pixels, v.k)
+        kappa = gated(retina.magnitude(sums.mp) / (pixels * v.k), one)
         # The gate lets a tie pass, but F = T forbids a spike: hence the number just below T.
         passes = self.thresholds.ffi(sums.f, threshold * (1 - jnp.finfo(sums.f.dtype).eps))
         spikes = passes * self.thresholds.spikes(kappa, v.T_sp, one)  # kappa < 1 never reaches a second one
@@ -247,7 +245,6 @@ class YueRindLGMD1(AbstractNetwork):
     **Raises:** `ValueError` for structure that does not exist and for persistence that is not stable.
     """
 
-    ablations: ClassVar = {"ffi": {"T_ffi": 1e9}, "lateral": {"W_I": 0.0}}
     parameters: YueRindParameters = eqx.field(default_factory=YueRindParameters)
     thresholds: Thresholds = eqx.field(default_factory=Hard)
     N_sp: int = counts(4, "spikes", least=1, at_interval=lambda spikes, ratio: max(round(spikes / ratio), 1))
@@ -260,6 +257,10 @@ class YueRindLGMD1(AbstractNetwork):
     @property
     def cell(self) -> YueRindCell:
         return YueRindCell(self.parameters, self.thresholds, self.N_sp)
+
+    @property
+    def ablations(self):
+        return {"ffi": {"T_ffi": 1e9}, "lateral": {"W_I": 0.0}}
 
     def conflicts(self):
         return retina.unstable_persistence(self.parameters.u, 1)

@@ -99,7 +99,7 @@ def load_protocol(source: str | Path) -> Protocol:
 
 def _protocol(path: Path, document: dict[str, Any]) -> Protocol:
     if {"clip", "rendered"} & document.keys():
-        raise ValueError("it holds labelled clips, for recipes of kind 'alarms': see lgmd2jax.alarms.load_footage")
+        raise ValueError("it holds labelled clips, for recipes of kind 'alarms': see lgmd2jax.alarms.load_labels")
     return Protocol(path.stem, _conditions(document, path.parent.resolve()))
 
 

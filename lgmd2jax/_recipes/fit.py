@@ -20,7 +20,7 @@ from lgmd2jax._protocol.protocol import load_protocol
 from lgmd2jax._targets.observation import Observation, observation_symbols
 from lgmd2jax._targets.target import Target
 from lgmd2jax.fitting import Fit, Free, Linear, Log, Tie, fit
-from lgmd2jax.fitting._conditions import rendered
+from lgmd2jax.fitting._conditions import render
 from lgmd2jax.fitting._free import RANGES
 from lgmd2jax.fitting._law_fit import check_approaches
 from lgmd2jax.fitting._validation import leave_one_out
@@ -81,7 +81,7 @@ class Recipe:
 
     def predict_each(self, progress: bool = False) -> dict[str, float]:
         """R2 of each condition by a fit to the others."""
-        return leave_one_out(lambda pairs: self.run(progress, pairs=pairs), self.pairs)
+        return leave_one_out(lambda pairs: self.run(progress, pairs=pairs).predict, self.pairs)
 
     def digest(self) -> str:
         """A digest of all that the fit sees: recipe, stimuli and targets."""
@@ -117,7 +117,7 @@ def _recipe(path: Path, table: dict[str, Any]) -> Recipe:
         if name not in free.names:
             raise ValueError(f"{name!r} is not free; choose {', '.join(free.names)}")
     protocol = load_protocol(beside(path, table["protocol"]))
-    pairs = tuple(rendered(protocol.conditions))
+    pairs = tuple(render(protocol.conditions))
     if validation.get("looming_law", False):
         check_approaches(pairs)
     return Recipe(

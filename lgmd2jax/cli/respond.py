@@ -13,55 +13,13 @@ import numpy as np
 from tqdm import tqdm
 
 from lgmd2jax._files.atomic import replaced
-from lgmd2jax._handover.named import add_model, model_named, with_parameters
+from lgmd2jax._handover.named import model_named, with_parameters
 from lgmd2jax._network.abstract import Network
 from lgmd2jax._video.clip import Clip, Frame, open_clip, window_of
 from lgmd2jax._video.overlay import Overlay, video_writer
 from lgmd2jax._video.repeats import RULE
 from lgmd2jax._video.snapshots import Snapshots
 from lgmd2jax._video.trace import Row, Trace
-
-_EXAMPLES = """\
-examples:
-  lgmd2jax respond crash.mp4                              writes crash.csv and crash.png here
-  lgmd2jax respond crash.mp4 --resize 108 --set T_sp=.65  as on the robot: small frames, a low spike threshold
-  lgmd2jax respond dashcam.mp4 --drop-duplicates          a file whose frame rate was converted
-  lgmd2jax respond film.mp4 --crop :,36:397               without the black bars left and right
-  lgmd2jax respond crash.mp4 --model preset:yue_rind      the LGMD1 that the paper compares with
-  lgmd2jax respond frames/ --fps 100                      a folder of images
-  lgmd2jax respond crash.mp4 --overlay crash-lgmd2.mp4    the clip with trace and alarm drawn on it
-
-Any video that ffmpeg reads will do. The clip is read frame by frame, so its length does not matter; --drop-duplicates
-reads it twice. Parameters belong to a frame rate and a field of view: those of the presets are meant for 30 fps, and a
-fitted model sees a clip as wide as the eye that it was fitted with.
-"""
-
-
-def add(commands) -> None:
-    """Add the command to argparse's sub-commands."""
-    parser = commands.add_parser(
-        "respond",
-        help="run the model on a video or a folder of images",
-        description="Run the model on a video or a folder of images: a CSV file, a figure and, if asked, a video.",
-        epilog=_EXAMPLES,
-    )
-    parser.add_argument("clip", metavar="CLIP", type=Path, help="a video file, or a folder of images in natural order")
-    add_model(parser)
-    parser.add_argument("--csv", type=Path, metavar="FILE", help="the numbers (default: CLIP's name with .csv, here)")
-    parser.add_argument("--figure", type=Path, metavar="FILE", help="the figure (default: CLIP's name with .png, here)")
-    parser.add_argument("--overlay", type=Path, metavar="FILE", help="the clip with trace and alarm drawn on it")
-    parser.add_argument("--fps", type=float, metavar="N", help="frames per second (default: the file's own clock)")
-    parser.add_argument(
-        "--resize",
-        type=int,
-        metavar="N",
-        help="width in pixels that the model sees, after the crop (default: that of the model's eye, else the clip's)",
-    )
-    parser.add_argument(
-        "--crop", metavar="TOP:BOTTOM,LEFT:RIGHT", help="rows and columns to use, from 0; ends may be left out"
-    )
-    parser.add_argument("--drop-duplicates", action="store_true", help="pass over frames that repeat the one before")
-    parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> None:
@@ -83,7 +41,7 @@ def run(options: argparse.Namespace) -> None:
             f"lgmd2jax: warning: the model belongs to {model.eye.fps:g} fps, the clip has {clip.fps:g}", file=sys.stderr
         )
 
-    rows, snapshots, started = [], Snapshots(), time.perf_counter()
+    rows, snapshots, start = [], Snapshots(), time.perf_counter()
     with contextlib.ExitStack() as stack:
         files = {path: stack.enter_context(replaced(path)) for path in outputs}
         writer = csv.writer(stack.enter_context(open(files[table], "w", newline="", encoding="utf-8")))
@@ -101,7 +59,7 @@ def run(options: argparse.Namespace) -> None:
             if film is not None:
                 film.write(overlay.draw(frame, row), frame.time)
         trace = Trace.of(rows)
-        seconds = time.perf_counter() - started
+        seconds = time.perf_counter() - start
         title = f"{options.clip.name}: {_model_text(options)}, {clip.shape[0]} x {clip.shape[1]} pixels"
         response_figure(files[figure], trace, model.parameters, snapshots.chosen(), title)
     print("\n".join(_summary(options, clip, trace, seconds)))

@@ -9,17 +9,17 @@ from lgmd2jax._targets.target import AnyTarget, Target
 from lgmd2jax.stimuli import Stimulus
 
 # A condition of a protocol, or a stimulus with its target or targets.
-Given = Condition | tuple[Stimulus, AnyTarget | Sequence[AnyTarget]]
+AnyCondition = Condition | tuple[Stimulus, AnyTarget | Sequence[AnyTarget]]
 
 
-def rendered(conditions: Sequence[Given]) -> list[tuple[Stimulus, list[Target]]]:
-    """The stimuli and their targets; stimuli without a name of their own are numbered.
+def render(conditions: Sequence[AnyCondition]) -> list[tuple[Stimulus, list[Target]]]:
+    """Render the stimuli and bring their targets to their frames; stimuli without a name of their own are numbered.
 
     **Raises:** `ValueError` for no conditions, for one without targets, and for targets that do not fit their stimulus.
     """
     if not conditions:
         raise ValueError("conditions is empty; give at least one stimulus with a target")
-    pairs = [_rendered(condition, number) for number, condition in enumerate(conditions, start=1)]
+    pairs = [_render(condition, number) for number, condition in enumerate(conditions, start=1)]
     common = {name for name, count in Counter(stimulus.name for stimulus, _ in pairs).items() if count > 1 or not name}
     return [
         (dataclasses.replace(stimulus, name=f"{stimulus.name or 'condition'} {number}"), targets)
@@ -29,7 +29,7 @@ def rendered(conditions: Sequence[Given]) -> list[tuple[Stimulus, list[Target]]]
     ]
 
 
-def _rendered(condition: Given, number: int) -> tuple[Stimulus, list[Target]]:
+def _render(condition: AnyCondition, number: int) -> tuple[Stimulus, list[Target]]:
     if isinstance(condition, Condition):
         stimulus, targets = condition.render(), condition.targets
     else:

@@ -7,6 +7,7 @@ vmaps and differentiates; what shapes the result (window, names, number of check
 objects with the time to contact, and as many clips without one.
 """
 
+# All at once, since a family is known by name once its module is loaded.
 from lgmd2jax.stimuli._background import (
     BACKGROUNDS as BACKGROUNDS,
     Background as Background,

@@ -6,14 +6,10 @@ import pathlib
 import warnings
 from collections.abc import Callable
 
-import imageio.v3 as iio
 import jax
 import jax.numpy as jnp
 import numpy as np
-import skimage
 from jaxtyping import Array, Float
-from skimage.color import rgb2gray
-from skimage.util import img_as_float
 
 from lgmd2jax._types import Map, is_concrete
 from lgmd2jax._words import nearest
@@ -52,6 +48,12 @@ def read(image) -> Float[Array, "height width"]:
 
 @functools.lru_cache(maxsize=16)
 def _load(name: str) -> np.ndarray:
+    # Here, since most stimuli have no photograph and these take long to load.
+    import imageio.v3 as iio
+    import skimage
+    from skimage.color import rgb2gray
+    from skimage.util import img_as_float
+
     if name in PHOTOGRAPHS:
         path = pathlib.Path(skimage.__file__).parent / "data" / PHOTOGRAPHS[name]
     elif not (path := pathlib.Path(name).expanduser()).is_file():

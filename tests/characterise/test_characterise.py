@@ -20,7 +20,7 @@ from lgmd2jax._characterise.result import Characterisation, number, table
 from lgmd2jax._characterise.selectivity import UNITS, intervals, selectivity
 from lgmd2jax._figures.characterise import characterisation_figure
 from tests.characterise.signals import EXAM, EYE, curves, eta, examine, ideal, onset
-from tests.fitting.fits import made
+from tests.fitting.fits import fit_with
 
 SMALL = lgmd.Eye(rows=12, cols=16, degrees_per_pixel=8.0, fps=100.0)
 MODEL = lgmd.LGMD2(lgmd.Parameters(T_s=3.0, T_ffi=3.0, T_sfa=3e-4, k=0.3, sigma1=0.5), eye=SMALL)
@@ -185,7 +185,7 @@ def test_a_second_model_compiles_nothing_anew(caplog):
 
 @pytest.mark.slow
 def test_intervals_hold_the_value_and_come_from_the_key():
-    fit = made(lgmd.Free(tau2=lgmd.Log(20, 300), T_ffi=lgmd.Log(1, 10)), [])
+    fit = fit_with(lgmd.Free(tau2=lgmd.Log(20, 300), T_ffi=lgmd.Log(1, 10)), [])
     fit = dataclasses.replace(fit, model=dataclasses.replace(fit.model, eye=SMALL))
     first, again, other = (intervals(fit, SMALL, jax.random.key(seed), draws=8) for seed in (0, 0, 1))
     assert list(first) == list(UNITS)

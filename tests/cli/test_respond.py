@@ -3,15 +3,17 @@
 import csv
 import json
 import re
+import xml.etree.ElementTree
 
 import imageio.v3 as iio
 import jax.numpy as jnp
 import matplotlib as mpl
 import numpy as np
 import pytest
+from matplotlib.colors import to_rgb
 
 import lgmd2jax as lgmd
-from lgmd2jax._figures.response import response_figure
+from lgmd2jax._figures.response import BLUE, GREEN, SKY, VERMILION, response_figure
 from lgmd2jax._video.clip import Frame, grey, open_clip
 from lgmd2jax._video.snapshots import Snapshot
 from lgmd2jax._video.trace import Trace
@@ -20,6 +22,7 @@ from lgmd2jax.cli.respond import responses
 
 av = pytest.importorskip("av", reason="reading video needs the extra 'video'")
 
+SVG = "{http://www.w3.org/2000/svg}"
 COLUMNS = ["frame", "time_ms", "mp", "ffi", "smp", "smp_adapted", "spikes", "collision"]
 
 
@@ -116,7 +119,6 @@ def test_it_writes_the_table_and_the_figure_and_says_so(folder, tmp_path, capsys
         "wrote     loom.csv, loom.png",
     ]:
         assert line in said
-    assert iio.imread("loom.png").shape[2] == 4
 
 
 def test_every_file_goes_where_it_is_sent(folder, tmp_path, capsys):
@@ -124,9 +126,47 @@ def test_every_file_goes_where_it_is_sent(folder, tmp_path, capsys):
     sent = [str(word) for option, name in names.items() for word in (option, tmp_path / name)]
     assert main(["respond", str(folder), "--fps", "30", *sent]) == 0
     assert listed(tmp_path / "results") == []
-    assert all((tmp_path / name).stat().st_size > 0 for name in names.values())
     said = capsys.readouterr().out
     assert all(name in said for name in names.values())
+    rows = table(tmp_path / "a.csv")
+    smp, silent = [float(row["smp_adapted"]) for row in rows], [row["collision"] == "0" for row in rows]
+    assert len(smp) == 40
+    np.testing.assert_allclose(curve_of(tmp_path / "b.svg", smp), smp, atol=1e-3)
+    film = iio.imread(tmp_path / "c.mp4", plugin="pyav")
+    assert len(film) == 40
+    clear = np.s_[2:15, 48:53]  # of the trace in the lower half, of the border and of the frame's number
+    np.testing.assert_allclose(film[silent][:, *clear], loom()[silent][:, *clear], atol=25)
+    blueness = (film[..., 2].astype(int) - film[..., 0])[:, 17:41]
+    assert np.all(blueness[2:].max(axis=(1, 2)) > 60)  # the trace, from the first frames on
+
+
+def curve_of(path, values):
+    """SMP after adaptation, a value a frame, as the line of a figure has it; its axis spans the range of `values`."""
+    figure = xml.etree.ElementTree.parse(path).getroot()
+    lines = [line.get("d", "") for line in figure.iter(f"{SVG}path") if "stroke: #0072b2" in line.get("style", "")]
+    x, y = np.array(re.findall(r"[ML] (\S+) (\S+)", max(lines, key=len)), float).T
+    heights = np.interp(np.linspace(x[0], x[-1], len(values)), x, -y)
+    return np.interp(heights, [heights.min(), heights.max()], [min(values), max(values)])
+
+
+def test_the_figure_shows_potentials_inhibition_and_an_alarm_where_there_is_one(folder):
+    """By colours: both potentials, the inhibition, and the light shade of an alarm over all panels."""
+
+    def colours(*options):
+        assert main(["respond", str(folder), "--fps", "30", *options]) == 0
+        pixels = iio.imread("loom.png")[..., :3].astype(int)
+        known = {"smp_adapted": BLUE, "smp": SKY, "ffi": GREEN, "threshold": VERMILION}
+        amounts = {name: near(pixels, to_rgb(colour)) for name, colour in known.items()}
+        return amounts | {"alarm": near(pixels, 0.22 * np.array(to_rgb(VERMILION)) + 0.78)}
+
+    def near(pixels, colour):
+        return int(np.all(np.abs(pixels - 255 * np.array(colour)) < 3, axis=-1).sum())
+
+    loud, silent = colours(), colours("--set", "N_sp=10")
+    assert min(loud.values()) > 200
+    assert loud["alarm"] > 20_000
+    assert silent["alarm"] < 20
+    assert min(amount for name, amount in silent.items() if name != "alarm") > 200
 
 
 def test_the_same_clip_gives_the_same_table_and_figure(folder, tmp_path):

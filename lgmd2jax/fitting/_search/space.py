@@ -40,7 +40,7 @@ class Space(eqx.Module, Generic[AnyNetwork]):
     ) -> tuple[AnyNetwork, Observation]:
         """The model and the observation at a point."""
         parameters, observation = self.free.insert(self.model.parameters, self.observation, z)
-        thresholds = self.model.thresholds if temperature is None else softened(self.model.thresholds, temperature)
+        thresholds = self.model.thresholds if temperature is None else soften(self.model.thresholds, temperature)
         return dataclasses.replace(self.model, parameters=parameters, thresholds=thresholds), observation
 
     @abc.abstractmethod
@@ -50,8 +50,8 @@ class Space(eqx.Module, Generic[AnyNetwork]):
         """What a descent makes small."""
 
 
-def softened(thresholds: Thresholds, temperature: Float[Array, ""]) -> Thresholds:
+def soften(thresholds: Thresholds, temperature: Float[Array, ""]) -> Thresholds:
     """The soft thresholds that approximate these, or these at another temperature."""
     if isinstance(thresholds, Hard):
         return Soft(temperature)
-    return eqx.tree_at(lambda it: it.temperature, thresholds, temperature)
+    return eqx.tree_at(lambda soft: soft.temperature, thresholds, temperature)

@@ -1,19 +1,19 @@
-"""How a model does on labelled clips: the alarms of each, hits against false alarms, and time before contact."""
+"""How well a model does on labelled clips: the alarms of each, hits against false alarms, and time before contact."""
 
 import dataclasses
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import equinox as eqx
 import numpy as np
 import scipy
-from jaxtyping import Float
+from jaxtyping import Array, Float
 
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._signals import stretches
-from lgmd2jax.alarms._footage import Footage, Stretch
-from lgmd2jax.alarms._reel import Reel, reels_of
+from lgmd2jax.alarms._clip import LabelledClip, Stretch
+from lgmd2jax.alarms._clip_batch import ClipBatch, batches_of
 
 
 class Verdict(NamedTuple):
@@ -55,19 +55,19 @@ class Score(NamedTuple):
 
 
 @dataclasses.dataclass(frozen=True)
-class Watch:
+class Evaluation:
     """The evidence for an alarm in every frame of every clip, so that every T_sp can be judged.
 
     `T_sp`: the model's own.
     """
 
-    clips: tuple[Footage, ...]
+    clips: tuple[LabelledClip, ...]
     evidence: tuple[Float[np.ndarray, " _time"], ...]
     T_sp: float
 
     def verdicts(self) -> tuple[Verdict, ...]:
         """What the model does on each clip."""
-        return tuple(_verdict(*it, self.T_sp) for it in zip(self.clips, self.evidence, strict=True))
+        return tuple(_verdict(clip, trace, self.T_sp) for clip, trace in zip(self.clips, self.evidence, strict=True))
 
     def operating_curve(
         self, thresholds: Float[np.ndarray, " threshold"]
@@ -103,11 +103,27 @@ class Watch:
         for clip, trace in zip(self.clips, self.evidence, strict=True):
             on = trace >= threshold
             hits += int((clip.in_windows() & on).any(axis=1).sum())
-            false += _raised(on & clip.in_silence())
+            false += _times_raised(on & clip.in_silence())
         return hits, false
 
 
-def watch(model: LGMD2, clips: Sequence[Footage]) -> Watch:
+@dataclasses.dataclass(frozen=True)
+class HeldOutScores:
+    """What models do on clips that the fit did not see, by what the model is called."""
+
+    minutes: float
+    windows: int
+    scores: Mapping[str, Score]
+
+    @classmethod
+    def of(cls, evaluations: Mapping[str, Evaluation]) -> "HeldOutScores":
+        """From the evaluations of all models on the same clips."""
+        first = next(iter(evaluations.values()))
+        scores = {name: evaluation.score() for name, evaluation in evaluations.items()}
+        return cls(first.silent_minutes, first.windows, scores)
+
+
+def evaluate(model: LGMD2, clips: Sequence[LabelledClip]) -> Evaluation:
     """Run a model over labelled clips.
 
     **Raises:** `ValueError` for no clips.
@@ -115,36 +131,36 @@ def watch(model: LGMD2, clips: Sequence[Footage]) -> Watch:
     if not clips:
         raise ValueError("clips is empty; give at least one")
     traces: list[np.ndarray] = [np.zeros(0)] * len(clips)
-    for reel in reels_of(clips):
-        found = np.asarray(_traces(model, reel, round(float(model.parameters.N_sp))))
-        for member, trace in zip(reel.members, found, strict=True):
+    for batch in batches_of(clips):
+        padded = np.asarray(_traces(model, batch, round(float(model.parameters.N_sp))))
+        for member, trace in zip(batch.members, padded, strict=True):
             traces[member] = trace[: len(clips[member].frames)]
-    return Watch(tuple(clips), tuple(traces), float(model.parameters.T_sp))
+    return Evaluation(tuple(clips), tuple(traces), float(model.parameters.T_sp))
 
 
 @eqx.filter_jit
-def _traces(model: LGMD2, reel: Reel, N_sp: int):
-    return reel.traces(model, reel.sums(model), N_sp)
+def _traces(model: LGMD2, batch: ClipBatch, N_sp: int) -> Float[Array, "clip time"]:
+    return batch.traces(model, batch.sums(model), N_sp)
 
 
-def _verdict(clip: Footage, trace: np.ndarray, T_sp: float) -> Verdict:
+def _verdict(clip: LabelledClip, trace: np.ndarray, T_sp: float) -> Verdict:
     on, silence, inside = trace >= T_sp, clip.in_silence(), clip.in_windows()
-    margins = [float(trace[it].max()) - T_sp for it in inside]
+    margins = [float(trace[window].max()) - T_sp for window in inside]
     if silence.any():
         margins.append(T_sp - float(trace[silence].max()))
-    alarmed = np.flatnonzero(on & inside.any(axis=0))
+    in_time = np.flatnonzero(on & inside.any(axis=0))
     warning = math.nan
-    if clip.contact_ms is not None and len(alarmed):
-        warning = clip.contact_ms - float(clip.time[alarmed[0]])
+    if clip.contact_ms is not None and len(in_time):
+        warning = clip.contact_ms - float(clip.time[in_time[0]])
     return Verdict(
         clip=clip.name,
         alarms=tuple((int(clip.index[a]), int(clip.index[b])) for a, b in stretches(on)),
-        hits=tuple(bool((it & on).any()) for it in inside),
-        false_alarms=_raised(on & silence),
+        hits=tuple(bool((window & on).any()) for window in inside),
+        false_alarms=_times_raised(on & silence),
         warning_ms=warning,
         margin=min(margins, default=math.nan),
     )
 
 
-def _raised(on: np.ndarray) -> int:
+def _times_raised(on: np.ndarray) -> int:
     return len(stretches(on))

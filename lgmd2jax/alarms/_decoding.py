@@ -13,8 +13,8 @@ from lgmd2jax._video.clip import Clip
 
 
 @dataclasses.dataclass(frozen=True)
-class Decoded:
-    """What the model sees of a clip: repeated frames dropped, with place in the file and time in ms of each."""
+class DecodedClip:
+    """The frames of a clip without repeated ones, with the place in the file and the time in ms of each."""
 
     frames: Float32[np.ndarray, "time row col"]
     index: Int[np.ndarray, " time"]
@@ -30,29 +30,29 @@ class Decoded:
         return round(float(np.interp(time, self.time, self.index)))
 
 
-def decoded(clip: Clip, path: Path, drop_duplicates: bool) -> Decoded:
-    """The frames of a clip, from the cache where the same file was read in the same way before."""
+def decode(clip: Clip, path: Path, drop_duplicates: bool) -> DecodedClip:
+    """Read the frames of a clip, from the cache where the same file was read in the same way before."""
     cached = user_cache_path("lgmd2jax") / "clips" / f"{_digest(clip, path, drop_duplicates)}.npz"
     if cached.is_file():
         with np.load(cached) as kept:
-            return Decoded(kept["frames"], kept["index"], kept["time"], float(kept["fps"]))
+            return DecodedClip(kept["frames"], kept["index"], kept["time"], float(kept["fps"]))
     clip = clip.without_repeats() if drop_duplicates else clip
-    seen = [frame for frame in clip if not frame.repeated]
-    found = Decoded(
-        frames=np.stack([frame.grey for frame in seen]).astype(np.float32),
-        index=np.array([frame.index for frame in seen]),
-        time=np.array([frame.time for frame in seen], float),
+    frames = [frame for frame in clip if not frame.repeated]
+    result = DecodedClip(
+        frames=np.stack([frame.grey for frame in frames]).astype(np.float32),
+        index=np.array([frame.index for frame in frames]),
+        time=np.array([frame.time for frame in frames], float),
         fps=clip.effective_fps,
     )
     cached.parent.mkdir(parents=True, exist_ok=True)
     with replaced(cached) as temporary:
-        np.savez(temporary, **dataclasses.asdict(found))
-    return found
+        np.savez(temporary, **dataclasses.asdict(result))
+    return result
 
 
 def _digest(clip: Clip, path: Path, drop_duplicates: bool) -> str:
     """Of all that the frames depend on. A folder counts by the pictures in it."""
     files = sorted(path.iterdir()) if path.is_dir() else [path]
     stamps = [(file.name, file.stat().st_size, file.stat().st_mtime_ns) for file in files]
-    told = clip.fps, clip.told, clip.window, clip.shape, drop_duplicates
-    return hashlib.sha256(repr((str(path.resolve()), stamps, told)).encode()).hexdigest()[:32]
+    settings = clip.fps, clip.told, clip.window, clip.shape, drop_duplicates
+    return hashlib.sha256(repr((str(path.resolve()), stamps, settings)).encode()).hexdigest()[:32]

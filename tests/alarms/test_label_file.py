@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from lgmd2jax.alarms import Rendered, _decoded as module, load_footage
+from lgmd2jax.alarms import Rendering, _decoding as module, load_labels
 from tests.videos import noise, write_folder, write_video
 
 EYE = """
@@ -28,7 +28,7 @@ def place(tmp_path, monkeypatch):
 
 def load(place, text):
     (place / "mine.toml").write_text(EYE + text)
-    return load_footage(place / "mine.toml").load()
+    return load_labels(place / "mine.toml").load()
 
 
 def test_a_clip_and_its_labels(place):
@@ -82,10 +82,10 @@ def test_a_folder_of_images_and_a_crop(place):
 
 
 def test_the_shipped_file_and_rendered_clips():
-    file = load_footage("video")
+    file = load_labels("video")
     assert file.clips == ()
     assert file.rendered is not None
-    assert file.rendered == Rendered(file.rendered.count, seed=0, alarm_below_ms=1000, silent_above_ms=2000)
+    assert file.rendered == Rendering(file.rendered.count, seed=0, alarm_below_ms=1000, silent_above_ms=2000)
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,7 @@
 """Labelled clips, read from a TOML file: recorded ones beside it, and rendered ones whose geometry is their label."""
 
 import dataclasses
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,8 +14,8 @@ from lgmd2jax._protocol.arguments import check_keys, section
 from lgmd2jax._protocol.protocol import eye_of
 from lgmd2jax._signals import stretches
 from lgmd2jax._video.clip import open_clip, window_of
-from lgmd2jax.alarms._decoded import Decoded, decoded
-from lgmd2jax.alarms._footage import Footage, check_stretches, footage
+from lgmd2jax.alarms._clip import LabelledClip, check_stretches
+from lgmd2jax.alarms._decoding import DecodedClip, decode
 from lgmd2jax.stimuli import Encounter, encounters
 
 _CLIP = ("name", "file", "fps", "resize", "crop", "drop_duplicates", "alarm", "silent", "contact", "before_ms")
@@ -25,7 +25,7 @@ _GRACE_MS = 1000.0  # after contact nothing is judged: the camera jolts
 
 
 @dataclasses.dataclass(frozen=True)
-class Rendered:
+class Rendering:
     """Which clips to render: how many, from which seed, and how time to contact becomes a label.
 
     - `alarm_below_ms`: an alarm is wanted while contact is nearer than that, on a collision course of a dark object.
@@ -47,26 +47,52 @@ class Rendered:
                 "let both be positive and the first not the larger"
             )
 
+    def clips(self, eye: Eye) -> Iterator[LabelledClip]:
+        """Render the clips for an eye, one by one, with their labels."""
+        shown = encounters(eye, jax.random.key(self.seed), self.count, duration_ms=self.duration_ms)
+        for number, encounter in enumerate(shown):
+            yield self._labelled(f"{number:03d} {encounter.kind}", encounter)
+
+    def _labelled(self, name: str, encounter: Encounter) -> LabelledClip:
+        left = np.asarray(encounter.time_to_contact_ms)
+        count = len(left)
+        judged = np.arange(count) >= _SETTLE
+        contact = None
+        if np.isfinite(left[-1]):
+            contact = count - 1 + round(float(left[-1]) * encounter.stimulus.fps / 1000)
+        return LabelledClip.of(
+            name,
+            np.asarray(encounter.stimulus.frames).astype(np.uint8),
+            encounter.stimulus.fps,
+            windows=stretches(judged & (left <= self.alarm_below_ms)),
+            silent=stretches(judged & (left > self.silent_above_ms)),
+            contact=contact,
+        )
+
 
 @dataclasses.dataclass(frozen=True)
-class FootageFile:
-    """What a file of labelled clips holds: the eye that they are seen with, recorded clips, and what to render."""
+class LabelFile:
+    """The content of a file of labelled clips: the eye that they are sampled with, recorded clips, what to render."""
 
     name: str
     eye: Eye
     clips: tuple[dict[str, Any], ...]
-    rendered: Rendered | None
+    rendered: Rendering | None
     folder: Path
 
-    def load(self, progress: Callable[[Iterable], Iterable] = iter) -> tuple[Footage, ...]:
-        """All clips, recorded ones first. `progress` wraps the loop over them."""
-        jobs: list[Callable[[], Iterator[Footage]]] = [lambda it=it: iter([_recorded(it, self)]) for it in self.clips]
-        if self.rendered is not None:
-            jobs.append(lambda: rendered(self.eye, self.rendered))
-        return tuple(clip for job in progress(jobs) for clip in job())
+    def load(self, progress: Callable[[Iterable], Iterable] = iter) -> tuple[LabelledClip, ...]:
+        """All clips, recorded ones first. `progress` wraps the loop over them; what is rendered counts as one."""
+        sources = [*self.clips, *([] if self.rendered is None else [self.rendered])]
+        return tuple(clip for source in progress(sources) for clip in self._clips_of(source))
+
+    def _clips_of(self, source: dict[str, Any] | Rendering) -> Iterator[LabelledClip]:
+        if isinstance(source, Rendering):
+            yield from source.clips(self.eye)
+        else:
+            yield _recorded(source, self)
 
 
-def load_footage(source: str | Path) -> FootageFile:
+def load_labels(source: str | Path) -> LabelFile:
     """Read a file of labelled clips, or a shipped one by its bare name.
 
     ```toml
@@ -96,41 +122,18 @@ def load_footage(source: str | Path) -> FootageFile:
 
     **Raises:** `ValueError`, which names file, clip and key, for what is no such file; `FileNotFoundError`.
     """
-    return read_named(source, "stimuli", _footage_file)
+    return read_named(source, "stimuli", _label_file)
 
 
-def rendered(eye: Eye, wanted: Rendered | None) -> Iterator[Footage]:
-    """Rendered clips with their labels."""
-    if wanted is None:
-        return
-    clips = encounters(eye, jax.random.key(wanted.seed), wanted.count, duration_ms=wanted.duration_ms)
-    for number, encounter in enumerate(clips):
-        yield labelled(f"{number:03d} {encounter.kind}", encounter, wanted)
-
-
-def labelled(name: str, encounter: Encounter, how: Rendered) -> Footage:
-    """A rendered clip with the labels that its time to contact gives."""
-    left = np.asarray(encounter.time_to_contact_ms)
-    count = len(left)
-    judged = np.arange(count) >= _SETTLE
-    frames = np.asarray(encounter.stimulus.frames).astype(np.uint8)
-    windows = stretches(judged & (left <= how.alarm_below_ms))
-    silent = stretches(judged & (left > how.silent_above_ms))
-    contact = None
-    if np.isfinite(left[-1]):
-        contact = count - 1 + round(float(left[-1]) * encounter.stimulus.fps / 1000)
-    return footage(name, frames, encounter.stimulus.fps, windows=windows, silent=silent, contact=contact)
-
-
-def _footage_file(path: Path, table: dict[str, Any]) -> FootageFile:
+def _label_file(path: Path, table: dict[str, Any]) -> LabelFile:
     check_keys(table, ("eye", "clip", "rendered"))
     folder = path.parent.resolve()
     eye, clips = eye_of(section(table, "eye"), folder), table.get("clip", [])
-    if not (isinstance(clips, list) and all(isinstance(it, dict) for it in clips)):
+    if not (isinstance(clips, list) and all(isinstance(clip, dict) for clip in clips)):
         raise ValueError("clip is not a list of tables; write each under [[clip]]")
-    names = [field.name for field in dataclasses.fields(Rendered)]
-    wanted = section(table, "rendered", names)
-    if not clips and not wanted:
+    names = [field.name for field in dataclasses.fields(Rendering)]
+    rendering = section(table, "rendered", names)
+    if not clips and not rendering:
         raise ValueError("no clips; write each under [[clip]], or ask for some under [rendered]")
     for number, clip in enumerate(clips, start=1):
         check_keys(clip, _CLIP)
@@ -140,44 +143,44 @@ def _footage_file(path: Path, table: dict[str, Any]) -> FootageFile:
             raise ValueError(f"clip {number}: there is no {place}; labels need their clip")
         if {"alarm", "before_ms"} <= clip.keys():
             raise ValueError(f"clip {number}: alarm and before_ms are both given; give one")
-    return FootageFile(path.stem, eye, tuple(clips), Rendered(**wanted) if wanted else None, folder)
+    return LabelFile(path.stem, eye, tuple(clips), Rendering(**rendering) if rendering else None, folder)
 
 
-def _recorded(table: dict[str, Any], file: FootageFile) -> Footage:
-    """A clip of the file with its labels."""
+def _recorded(table: dict[str, Any], file: LabelFile) -> LabelledClip:
+    """A recorded clip of the file with its labels."""
     place = file.folder / table["file"]
     name = table.get("name", place.stem)
     crop = None if "crop" not in table else window_of(table["crop"])
     clip = open_clip(place, fps=table.get("fps"), crop=crop, resize=table.get("resize", file.eye.cols))
-    seen = decoded(clip, place, bool(table.get("drop_duplicates", False)))
-    last = int(seen.index[-1])
+    film = decode(clip, place, bool(table.get("drop_duplicates", False)))
+    last = int(film.index[-1])
     contact = table.get("contact")
     if contact is not None and not (isinstance(contact, int) and 0 <= contact <= last):
         raise ValueError(f"{name}: contact is {contact!r}; give a frame of 0 to {last}")
     windows = table.get("alarm", [])
     if "before_ms" in table:
-        windows = [_before(name, table["before_ms"], contact, seen)]
+        windows = [_before(name, table["before_ms"], contact, film)]
     silent = table.get("silent")
     if silent is None:
         check_stretches(name, last, {"alarm": windows})
-        grace = seen.frame_at(seen.time_of(contact) + table.get("grace_ms", _GRACE_MS)) if contact is not None else -1
+        grace = film.frame_at(film.time_of(contact) + table.get("grace_ms", _GRACE_MS)) if contact is not None else -1
         silent = _rest(windows, table.get("settle", _SETTLE), contact, grace, last)
-    return footage(
-        name, seen.frames, seen.fps, windows=windows, silent=silent, contact=contact, index=seen.index, time=seen.time
+    return LabelledClip.of(
+        name, film.frames, film.fps, windows=windows, silent=silent, contact=contact, index=film.index, time=film.time
     )
 
 
-def _before(name: str, before: Any, contact: int | None, seen: Decoded) -> tuple[int, int]:
+def _before(name: str, before: Any, contact: int | None, film: DecodedClip) -> tuple[int, int]:
     if contact is None:
         raise ValueError(f"{name}: before_ms counts from contact, which is not given; give its frame")
     if not (isinstance(before, list) and len(before) == 2 and before[0] > before[1] >= 0):
         raise ValueError(f"{name}: before_ms is {before!r}; give two times before contact, as [1000, 0]")
-    first, last = (seen.frame_at(seen.time_of(contact) - it) for it in before)
+    first, last = (film.frame_at(film.time_of(contact) - lead) for lead in before)
     return first, last
 
 
 def _rest(
-    windows: list[list[int]] | list[tuple[int, int]], settle: int, contact: int | None, grace: int, last: int
+    windows: Sequence[Sequence[int]], settle: int, contact: int | None, grace: int, last: int
 ) -> list[tuple[int, int]]:
     """All frames from `settle` on but those in windows and those in the grace time."""
     judged = np.arange(last + 1) >= settle

@@ -11,8 +11,8 @@ Stretch = tuple[int, int]  # first and last frame, as they are counted in the fi
 
 
 @dataclasses.dataclass(frozen=True)
-class Footage:
-    """What a fit of alarms sees of a clip. Frames that lie in no stretch are not judged.
+class LabelledClip:
+    """A clip with the stretches in which an alarm is wanted, or silence. Frames that lie in neither are not judged.
 
     - `name`: of the clip.
     - `frames`: grey levels 0..255; 8-bit integers where they are whole.
@@ -32,13 +32,44 @@ class Footage:
     silent: tuple[Stretch, ...] = ()
     contact: int | None = None
 
+    @classmethod
+    def of(
+        cls,
+        name: str,
+        frames: Real[np.ndarray, "time row col"],
+        fps: float | int,
+        *,
+        windows: Sequence[Sequence[int]] = (),
+        silent: Sequence[Sequence[int]] = (),
+        contact: int | None = None,
+        index: Int[np.ndarray, " time"] | None = None,
+        time: Float[np.ndarray, " time"] | None = None,
+    ) -> "LabelledClip":
+        """A clip of your own with its labels.
+
+        **Arguments:** as the fields; stretches are pairs of first and last frame. Without `index` and `time` the frames
+        are taken to be all of the file's.
+
+        **Raises:** `ValueError` for stretches that are reversed, overlap or lie outside of the clip.
+        """
+        index = np.arange(len(frames)) if index is None else index
+        time = index * (1000.0 / fps) if time is None else time
+        check_stretches(name, int(index[-1]), {"alarm": windows, "silent": silent})
+        clip = cls(name, frames, float(fps), index, time, _pairs(windows), _pairs(silent), contact)
+        for window, inside in zip(clip.windows, clip.in_windows(), strict=True):
+            if not inside.any():
+                raise ValueError(f"{name}: alarm {window[0]} to {window[1]} holds repeated frames alone; widen it")
+        return clip
+
     def in_windows(self) -> Bool[np.ndarray, "window time"]:
         """Which frames lie in each window."""
-        return np.array([self._within(it) for it in self.windows], bool).reshape(len(self.windows), len(self.index))
+        return np.array([self._within(window) for window in self.windows], bool).reshape(
+            len(self.windows), len(self.index)
+        )
 
     def in_silence(self) -> Bool[np.ndarray, " time"]:
         """Which frames must be silent."""
-        return np.any([np.zeros(len(self.index), bool), *(self._within(it) for it in self.silent)], axis=0)
+        return np.any([np.zeros(len(self.index), bool), *(self._within(stretch) for stretch in self.silent)], axis=0)
 
     @property
     def contact_ms(self) -> float | None:
@@ -57,42 +88,16 @@ class Footage:
         return (self.index >= stretch[0]) & (self.index <= stretch[1])
 
 
-def footage(
-    name: str,
-    frames: Real[np.ndarray, "time row col"],
-    fps: float | int,
-    *,
-    windows: Sequence[Sequence[int]] = (),
-    silent: Sequence[Sequence[int]] = (),
-    contact: int | None = None,
-    index: Int[np.ndarray, " time"] | None = None,
-    time: Float[np.ndarray, " time"] | None = None,
-) -> Footage:
-    """A clip of your own with its labels.
-
-    **Arguments:** as the fields of `Footage`; stretches are pairs of first and last frame. Without `index` and `time`
-    the frames are taken to be all of the file's.
-
-    **Raises:** `ValueError` for stretches that are reversed, overlap or lie outside of the clip.
-    """
-    index = np.arange(len(frames)) if index is None else index
-    time = index * (1000.0 / fps) if time is None else time
-    kinds = {"alarm": windows, "silent": silent}
-    check_stretches(name, int(index[-1]), kinds)
-    paired = {kind: tuple((int(first), int(last)) for first, last in pairs) for kind, pairs in kinds.items()}
-    clip = Footage(name, frames, float(fps), index, time, paired["alarm"], paired["silent"], contact)
-    for window, inside in zip(clip.windows, clip.in_windows(), strict=True):
-        if not inside.any():
-            raise ValueError(f"{name}: alarm {window[0]} to {window[1]} holds repeated frames alone; widen it")
-    return clip
+def _pairs(stretches: Sequence[Sequence[int]]) -> tuple[Stretch, ...]:
+    return tuple((int(first), int(last)) for first, last in stretches)
 
 
 def check_stretches(name: str, last: int, kinds: Mapping[str, Sequence[Sequence[int]]]) -> None:
     """Raise `ValueError` for a stretch that is reversed, lies outside of frames 0 to `last`, or meets another one."""
-    named = []
+    labels = []
     for kind, pairs in kinds.items():
         for pair in pairs:
-            if len(pair) != 2 or not all(isinstance(it, (int, np.integer)) for it in pair):
+            if len(pair) != 2 or not all(isinstance(frame, (int, np.integer)) for frame in pair):
                 raise ValueError(f"{name}: {kind} holds {pair!r}; write pairs of frames, as [[149, 175]]")
             first, end = pair
             if first > end:
@@ -101,8 +106,8 @@ def check_stretches(name: str, last: int, kinds: Mapping[str, Sequence[Sequence[
                 raise ValueError(
                     f"{name}: {kind} {first} to {end} lies outside of the clip, whose frames are 0 to {last}"
                 )
-            named.append((first, end, kind))
-    named.sort()
-    for (_, end, kind), (first, _, other) in itertools.pairwise(named):
+            labels.append((first, end, kind))
+    labels.sort()
+    for (_, end, kind), (first, _, other) in itertools.pairwise(labels):
         if first <= end:
             raise ValueError(f"{name}: {kind} up to {end} and {other} from {first} overlap; let each frame be in one")

@@ -1,4 +1,4 @@
-"""A recipe on the command line, and what its results and its unfinished work are kept in."""
+"""Where the results of a recipe and its unfinished work are kept."""
 
 import argparse
 import datetime
@@ -9,14 +9,6 @@ from typing import Any
 
 from lgmd2jax._compute.finished_work import FileMemory
 from lgmd2jax._files.catalogue import results_folder
-
-
-def add_recipe(parser: argparse.ArgumentParser) -> None:
-    """The arguments RECIPE and --output."""
-    parser.add_argument("recipe", metavar="RECIPE", help="a TOML file, or the name of a shipped recipe")
-    parser.add_argument(
-        "-o", "--output", type=Path, metavar="FOLDER", help="default: beside the recipe; for a shipped one, here"
-    )
 
 
 def folder_of(options: argparse.Namespace, name: str) -> Path:
@@ -30,11 +22,11 @@ def starts_of(folder: Path, digest: str, resume: bool) -> FileMemory:
     return FileMemory(place.with_name(f".{place.name}.starts.jsonl"), digest, resume)
 
 
-def made_now(began: float) -> dict[str, Any]:
-    """When and on what a result was made, for fit.json. `began`: by `time.monotonic`."""
+def origin(start: float) -> dict[str, Any]:
+    """When and on what a result came about, for fit.json. `start`: of the run, by `time.monotonic`."""
     return {
         "date": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
-        "seconds": round(time.monotonic() - began, 1),
+        "seconds": round(time.monotonic() - start, 1),
         "python": platform.python_version(),
         "machine": f"{platform.system()} {platform.machine()}",
     }

@@ -3,14 +3,16 @@
 import numpy as np
 import pytest
 
-from lgmd2jax.alarms import footage
+from lgmd2jax.alarms import LabelledClip
 
 FRAMES = np.zeros((20, 3, 4), np.uint8)
 
 
 def test_labels_count_the_frames_of_the_file_also_where_repeats_were_dropped():
     index = np.array([0, 1, 3, 4, 6, 7, 9])
-    clip = footage("c", FRAMES[:7], 21.0, windows=[(3, 5)], silent=[(0, 1), (7, 9)], index=index, time=index * 33.0)
+    clip = LabelledClip.of(
+        "c", FRAMES[:7], 21.0, windows=[(3, 5)], silent=[(0, 1), (7, 9)], index=index, time=index * 33.0
+    )
     assert clip.in_windows().tolist() == [[False, False, True, True, False, False, False]]
     assert clip.in_silence().tolist() == [True, True, False, False, False, True, True]
     assert clip.silent_minutes == pytest.approx(4 / 21 / 60)
@@ -18,7 +20,7 @@ def test_labels_count_the_frames_of_the_file_also_where_repeats_were_dropped():
 
 @pytest.mark.parametrize(("contact", "ms"), [(10, 500.0), (19, 950.0), (22, 1100.0)])
 def test_contact_may_come_after_the_end(contact, ms):
-    assert footage("c", FRAMES, 20, contact=contact).contact_ms == pytest.approx(ms)
+    assert LabelledClip.of("c", FRAMES, 20, contact=contact).contact_ms == pytest.approx(ms)
 
 
 @pytest.mark.parametrize(
@@ -35,4 +37,4 @@ def test_contact_may_come_after_the_end(contact, ms):
 @pytest.mark.usefixtures("untyped")
 def test_what_is_no_label_is_refused(labels, message):
     with pytest.raises(ValueError, match=message):
-        footage("c", FRAMES, 20, **labels)
+        LabelledClip.of("c", FRAMES, 20, **labels)

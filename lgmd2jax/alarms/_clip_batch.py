@@ -10,16 +10,17 @@ from jaxtyping import Array, Bool, Float, Real
 
 from lgmd2jax._compute.batching import each
 from lgmd2jax._network.lgmd2 import LGMD2
+from lgmd2jax.alarms._clip import LabelledClip
 from lgmd2jax.alarms._evidence import evidence
-from lgmd2jax.alarms._footage import Footage
 
 Sums = tuple[Float[Array, "_clip _time"], Float[Array, "_clip _time"]]
 
 
-class Reel(eqx.Module):
+class ClipBatch(eqx.Module):
     """Clips held at their last frame up to a common length, with which frames lie in each window and which are silent.
 
-    `members`: which of the clips these are. `windowed`, `silenced`: which windows there are, and who has a silence.
+    `members`: which of the clips these are. `has_window`: for each clip which of the windows there are. `has_silence`:
+    which clips must be silent in some frames.
     """
 
     frames: Real[Array, "clip time row col"]
@@ -27,8 +28,8 @@ class Reel(eqx.Module):
     windows: Bool[Array, "clip window time"]
     silent: Bool[Array, "clip time"]
     members: tuple[int, ...] = eqx.field(static=True)
-    windowed: tuple[tuple[bool, ...], ...] = eqx.field(static=True)
-    silenced: tuple[bool, ...] = eqx.field(static=True)
+    has_window: tuple[tuple[bool, ...], ...] = eqx.field(static=True)
+    has_silence: tuple[bool, ...] = eqx.field(static=True)
 
     def sums(self, model: LGMD2) -> Sums:
         """MP and F of every clip. Pixels compute in float32; whole grey levels are kept as such until then."""
@@ -45,28 +46,28 @@ class Reel(eqx.Module):
         return evidence(u, model.parameters.sigma_sp, N_sp, model.N_ts)
 
 
-def reels_of(clips: Sequence[Footage]) -> tuple[Reel, ...]:
-    """All clips, those of a raster in one reel."""
+def batches_of(clips: Sequence[LabelledClip]) -> tuple[ClipBatch, ...]:
+    """All clips, those of a raster in one batch."""
     rasters: dict[tuple, list[int]] = {}
     for number, clip in enumerate(clips):
         rasters.setdefault((*clip.frames.shape[1:], clip.frames.dtype), []).append(number)
-    return tuple(_reel([clips[member] for member in members], tuple(members)) for members in rasters.values())
+    return tuple(_batch([clips[member] for member in members], tuple(members)) for members in rasters.values())
 
 
-def _reel(clips: Sequence[Footage], members: tuple[int, ...]) -> Reel:
+def _batch(clips: Sequence[LabelledClip], members: tuple[int, ...]) -> ClipBatch:
     length = max(len(clip.frames) for clip in clips)
     windows = np.zeros((len(clips), max(len(clip.windows) for clip in clips), length), bool)
     silent = np.zeros((len(clips), length), bool)
     for number, clip in enumerate(clips):
         windows[number, : len(clip.windows), : len(clip.frames)] = clip.in_windows()
         silent[number, : len(clip.frames)] = clip.in_silence()
-    frames = [np.pad(it.frames, [(0, length - len(it.frames)), (0, 0), (0, 0)], mode="edge") for it in clips]
-    return Reel(
+    frames = [np.pad(clip.frames, [(0, length - len(clip.frames)), (0, 0), (0, 0)], mode="edge") for clip in clips]
+    return ClipBatch(
         frames=jnp.asarray(np.stack(frames)),
         interval=jnp.asarray([1000 / clip.fps for clip in clips], dtype=float),
         windows=jnp.asarray(windows),
         silent=jnp.asarray(silent),
         members=members,
-        windowed=tuple(tuple(bool(it) for it in row) for row in np.asarray(windows.any(axis=2))),
-        silenced=tuple(bool(it) for it in np.asarray(silent.any(axis=1))),
+        has_window=tuple(tuple(map(bool, row)) for row in np.asarray(windows.any(axis=2))),
+        has_silence=tuple(map(bool, np.asarray(silent.any(axis=1)))),
     )
