@@ -5,7 +5,7 @@ import functools
 import math
 import operator
 from collections.abc import Callable, Iterable, Sequence
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from jaxtyping import Array, Float
@@ -50,7 +50,7 @@ class Line:
             return f">= {self.low:g}"
         return f"<= {self.high:g}" if math.isfinite(self.high) else ""
 
-    def holds(self, value: Any) -> Array | np.bool_ | bool:
+    def holds(self, value: Array | np.floating | float) -> Array | np.bool_ | bool:
         """Whether a value lies within the bounds; NaN does not."""
         return (value >= self.low) & (value <= self.high)
 
