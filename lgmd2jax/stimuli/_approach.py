@@ -55,8 +55,8 @@ class InDepth(Approach):
         miss = start * aside
         arrives = jnp.abs(miss) < stop
         arrival = start * ahead - jnp.sqrt(jnp.where(arrives, stop**2 - miss**2, 1))
-        travelled = jnp.clip(start - self.law(time), 0, jnp.where(arrives, arrival, jnp.inf))
-        depth, offset = start - travelled * ahead, travelled * aside
+        progress = jnp.clip(start - self.law(time), 0, jnp.where(arrives, arrival, jnp.inf))
+        depth, offset = start - progress * ahead, progress * aside
         half_angle = jnp.degrees(jnp.arctan2(1, jnp.sqrt(depth**2 + offset**2)))
         if eye.projection == "pinhole":
             # The object is flat and faces the camera, so that its image keeps its shape; it goes as it passes the lens.

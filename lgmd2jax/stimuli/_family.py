@@ -60,11 +60,11 @@ def family(describe: Callable[P, Sketch]) -> Callable[P, Stimulus]:
 
 def _without_replaced_defaults(arguments: inspect.BoundArguments) -> dict[str, Any]:
     """All arguments by name, but defaults that an argument in another unit replaces."""
-    given = {name for name, value in arguments.arguments.items() if value is not None}
+    names = {name for name, value in arguments.arguments.items() if value is not None}
     arguments.apply_defaults()
     values = dict(arguments.arguments)
     for group in _ALTERNATIVES:
-        chosen = [name for name in group if name in given]
+        chosen = [name for name in group if name in names]
         if len(chosen) > 1:
             raise ValueError(f"{chosen[0]} and {chosen[1]} are both given; they say the same, so give one")
         if chosen and chosen[0] != group[0]:

@@ -105,8 +105,8 @@ def test_a_property_can_be_missed(row, what, changes):
 
 
 def test_rows_that_are_not_concerned_still_hold():
-    spoilt = rows_that_hold(examine(ideal() | {trials.HALVED: eta(40.0, 0.8), trials.LIGHT_LOOM: eta(40.0, 0.35)}))
-    assert spoilt == set(range(1, 23)) - {9, 19}
+    rows = rows_that_hold(examine(ideal() | {trials.HALVED: eta(40.0, 0.8), trials.LIGHT_LOOM: eta(40.0, 0.35)}))
+    assert rows == set(range(1, 23)) - {9, 19}
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ KEY = jax.random.key(3)
 
 
 @pytest.fixture(scope="module")
-def drawn():
+def clips_and_traces():
     """Clips of every kind, and how often a disc's drawing was traced for them."""
     traces = []
     with pytest.MonkeyPatch.context() as patch:
@@ -26,8 +26,8 @@ def drawn():
 
 
 @pytest.fixture(scope="module")
-def clips(drawn):
-    return drawn[0]
+def clips(clips_and_traces):
+    return clips_and_traces[0]
 
 
 @pytest.fixture(scope="module")
@@ -54,9 +54,9 @@ def test_clips_are_in_8_bits_from_0_ms_on(clips):
         assert np.allclose(clip.stimulus.time, np.arange(90) / 30 * 1000)
 
 
-def test_hundreds_of_clips_compile_little(drawn):
+def test_hundreds_of_clips_compile_little(clips_and_traces):
     """Before a plain or a textured ground, on its way in depth or across, in each of four lengths of film."""
-    assert drawn[1] <= 16
+    assert clips_and_traces[1] <= 16
 
 
 def repeats(clip):

@@ -42,17 +42,17 @@ forward = jax.jit(jax.jacfwd(disc))
 @pytest.mark.parametrize("place", DISCS.values(), ids=DISCS)
 def test_disc_is_what_scikit_image_draws_finely(place):
     x, y, radius = place
-    drawn = supersampled(lambda shape: disk(finely(x, y), FINE * radius, shape=shape))
-    assert np.max(np.abs(disc(jnp.array(place)) - drawn)) < 3e-3
+    expected = supersampled(lambda shape: disk(finely(x, y), FINE * radius, shape=shape))
+    assert np.max(np.abs(disc(jnp.array(place)) - expected)) < 3e-3
 
 
 def test_rectangle_is_what_scikit_image_draws_finely():
     left, right, bottom, top = -6.15, 3.6, -14.0, 2.225
     (upper, first), (lower, last) = finely(left, top), finely(right, bottom)
     corners = (np.ceil([upper, first]).astype(int).clip(0), np.floor([lower, last]).astype(int))
-    drawn = supersampled(lambda shape: rectangle(corners[0], end=corners[1], shape=shape))
-    covered = shapes.Rectangle(ROWS, COLS, *map(jnp.asarray, (left, right, bottom, top))).coverage()
-    assert np.max(np.abs(covered - drawn)) < 1e-12
+    expected = supersampled(lambda shape: rectangle(corners[0], end=corners[1], shape=shape))
+    coverage = shapes.Rectangle(ROWS, COLS, *map(jnp.asarray, (left, right, bottom, top))).coverage()
+    assert np.max(np.abs(coverage - expected)) < 1e-12
 
 
 def test_disc_has_its_exact_area_wherever_it_is():

@@ -46,7 +46,7 @@ def test_the_unit_that_is_declared_is_the_one_that_is_checked(family, name, unit
 
 def test_every_number_but_the_window_declares_a_unit():
     for family, renderer in stimuli.FAMILIES.items():
-        defaults = {name: it.default for name, it in inspect.signature(renderer).parameters.items()}
+        defaults = {name: argument.default for name, argument in inspect.signature(renderer).parameters.items()}
         numbers = {name for name, default in defaults.items() if isinstance(default, float)}
         plain = {"direction"} if family in ("elongating", "shortening") else set()  # one of four, which is no axis
         assert numbers - set(units_of(renderer)) == plain
@@ -67,20 +67,20 @@ def test_the_types_of_an_annotation_are_those_of_its_parts():
 
 
 def test_a_family_is_outlined_without_being_drawn(monkeypatch):
-    drawn = stimuli.looming(EYE, l_over_v=20.0)
+    stimulus = stimuli.looming(EYE, l_over_v=20.0)
     monkeypatch.setattr(_scene, "_draw", None)
     time, units = outline(stimuli.looming, EYE, l_over_v=20.0)
-    np.testing.assert_array_equal(time, drawn.time)
+    np.testing.assert_array_equal(time, stimulus.time)
     assert (units["l_over_v"], units["contrast"]) == ("ms", "Weber")
     with pytest.raises(ValueError, match="contrast is 3"):
         outline(stimuli.looming, EYE, contrast=3.0)
 
 
 def test_the_arguments_of_a_renderer_of_ones_own_have_the_units_of_the_family_in_it():
-    def shown(eye, *, contrast, other):
+    def stripes(eye, *, contrast, other):
         return stimuli.grating(eye, contrast=contrast, spatial_frequency=0.03 * other)
 
-    time, units = outline(shown, EYE, contrast=0.5, other=1.0)
+    time, units = outline(stripes, EYE, contrast=0.5, other=1.0)
     assert units["contrast"] == "Michelson"
     assert "other" not in units
     assert time[0] == -500
