@@ -10,9 +10,7 @@ def logistic(x):
     return 1 / (1 + math.exp(-x)) if x > 0 else math.exp(x) / (1 + math.exp(x))
 
 
-def respond(
-    frames, fps, v, temperature=None, n_p=0, low_pass="backward_euler", N_ts=4, mechanisms=(), intervals=None
-):
+def respond(frames, fps, v, temperature=None, n_p=0, low_pass="backward_euler", N_ts=4, mechanisms=(), intervals=None):
     """The channels over time and the S layer, from nested lists of grey levels and a dict of parameters.
 
     Without a temperature thresholds are hard. `intervals`, ms since the frame before, stand in the place of `fps`.
@@ -38,6 +36,19 @@ def respond(
             return 1.0 if d > height else 0.0
         at_rest = step(-height, 0.1 * height)
         return (step(d - height, 0.1 * height) - at_rest) / (1 - at_rest)
+
+    def step_peak():
+        """The largest delayed flow of a pixel after a step by 1, if the clock went on as in this frame."""
+        p, flow, d, peak = [], 0.0, 0.0, 0.0
+        for t in range(100):
+            p.append(
+                (1.0 if t == 0 else 0.0)
+                + sum(p[t - i] / (1 + math.exp(v["u"] * i)) for i in range(1, n_p + 1) if i <= t)
+            )
+            flow = p[t] + v["sigma1"] * flow
+            d += coefficient(v["tau1"]) * (flow - d)
+            peak = max(peak, d)
+        return peak
 
     def lagged(values, t):
         """The value of `lag` ms before frame t, on a line between frames; 0 before the first one."""
@@ -97,8 +108,9 @@ def respond(
 
         delayed = [[d_on[x][y] + d_off[x][y] for y in range(cols)] for x in range(rows)]
         if "size" in mechanisms:  # the share of the field that changed of late
+            height = step_peak() * v["T_p"]
             for x, y in pixels:
-                now = changed(delayed[x][y], coefficient(v["tau1"]) * v["T_p"])
+                now = changed(delayed[x][y], height)
                 held[x][y] = now + (1 - now) * math.exp(-ti / v["tau_hold"]) * held[x][y]
             f, threshold = sum(held[x][y] for x, y in pixels) / len(pixels), v["A_ffi"]
         else:  # eq. 13
@@ -112,7 +124,7 @@ def respond(
         drive = abs(mp) / (len(pixels) * v["k"])
         if "shunt" in mechanisms:
             power = (drive + 1e-3) ** v["gamma"] - 1e-3 ** v["gamma"]
-            x_now = power / (1 + (ffi / threshold) ** v["m"])
+            x_now = power / (1 + ((ffi + 1e-12) / threshold) ** v["m"])
             share = coefficient(v["tau_cell"]) if "membrane" in mechanisms else 1.0
             excitation += share * (x_now - excitation)
             u = logistic(excitation)

@@ -14,7 +14,7 @@ from lgmd2jax._network.parameter_set import declared
 from lgmd2jax._network.parameters import Parameters
 from lgmd2jax._network.pixels import Pixels
 from lgmd2jax._network.retina import unstable_persistence
-from lgmd2jax._network.structure import counts, one_of, some_of
+from lgmd2jax._network.structure import counts, one_of, some_of, structure_fields
 from lgmd2jax._network.thresholds import Hard, Thresholds
 
 MECHANISMS = ("size", "shunt", "lag", "membrane")
@@ -63,6 +63,7 @@ class LGMD2(AbstractNetwork):
     eye: Eye | None = eqx.field(default=None, static=True)
 
     def __check_init__(self):
+        structure_fields(LGMD2)["mechanisms"].check("mechanisms", self.mechanisms)
         if "membrane" in self.mechanisms and "shunt" not in self.mechanisms:
             raise ValueError(f"mechanisms is {self.mechanisms}; a membrane needs the shunt: add 'shunt'")
 
