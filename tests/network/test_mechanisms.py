@@ -4,6 +4,7 @@ import dataclasses
 from itertools import product
 from typing import Any
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -11,6 +12,7 @@ import pytest
 
 import lgmd2jax as lgmd
 from lgmd2jax import hard
+from lgmd2jax._network.stages import Sums
 from tests import clips, oracle
 
 # Nothing is zero, and the clip crosses every threshold.
@@ -86,14 +88,44 @@ def test_numpy_model_agrees_with_loops_over_pixels(mechanisms, structure):
     assert_equal(response._asdict(), oracle.respond(FRAMES.tolist(), None, values(), **structure, **clock))
 
 
-@pytest.mark.parametrize("lag", [0.0, 100 / 3, 50.0, 70.0, 300.0], ids=lambda ms: f"{ms:g} ms")
+@pytest.mark.parametrize("lag", [0.0, 100 / 3, 50.0, 80.0], ids=lambda ms: f"{ms:g} ms")
 def test_a_lag_by_a_steady_clock(lag):
-    """None, of a whole frame, of a part of one, longer than a fit looks for, longer than most of the clip."""
+    """None, of a whole frame, of a part of one, and the longest."""
     model = lgmd.LGMD2(dataclasses.replace(PARAMETERS, lag=jnp.asarray(lag)), mechanisms=("lag",))
     expected = oracle.respond(FRAMES.tolist(), 30.0, values(lag=lag), mechanisms=("lag",))
     assert_equal(vars(model(FRAMES, 30.0)), expected)
     assert_equal(streamed(model, FRAMES, [1000 / 30] * len(FRAMES)), expected)
     assert_equal(as_hard(values(lag=lag), ("lag",))(FRAMES, 30.0)._asdict(), expected)
+
+
+def test_a_lag_by_a_fast_clock():
+    """80 frames late at 1000 frames per second, where an eye says so; otherwise they are forgotten, not 0."""
+    frames, slow = clips.patchy(1, (120, 3, 4)), dataclasses.replace(PARAMETERS, lag=jnp.asarray(80.0))
+    eye = lgmd.Eye(rows=3, cols=4, degrees_per_pixel=2.0, fps=1000.0)
+    known = lgmd.LGMD2(slow, eye=eye, mechanisms=("lag",))
+    expected = oracle.respond(frames.tolist(), 1000.0, values(lag=80.0), mechanisms=("lag",))
+    assert_equal(vars(known(frames)), expected)
+    assert np.any(known(frames).smp > 0.5)
+    unknown = eqx.filter_jit(lgmd.LGMD2(slow, mechanisms=("lag",)))(frames, 1000.0)
+    np.testing.assert_array_equal(np.isfinite(unknown.smp), np.arange(120) < 41)
+
+
+def test_a_lag_does_not_drift_in_a_long_clip():
+    """In single precision a clock of hours is no better than milliseconds, but ages are."""
+    single = jax.tree.map(lambda leaf: leaf.astype(jnp.float32), lgmd.LGMD2(PARAMETERS, mechanisms=("lag",)))
+    sums = Sums(*(jnp.asarray(np.random.default_rng(0).uniform(0, 20, 30_000), jnp.float32) for _ in range(2)))
+    late = np.asarray(single.respond(sums, jnp.asarray(1000 / 30), 12).ffi)
+    again = np.asarray(single.respond(Sums(*(x[-300:] for x in sums)), jnp.asarray(1000 / 30), 12).ffi)
+    np.testing.assert_allclose(late[-100:], again[-100:], rtol=1e-5)
+
+
+@pytest.mark.parametrize("precision", ["float32", "float64"])
+def test_stepping_equals_the_scan_to_the_bit(precision):
+    frames = FRAMES.astype(precision)
+    model = lgmd.LGMD2(PARAMETERS, lgmd.Soft(0.5), n_p=1, low_pass="exact", mechanisms=EVERY)
+    clip = model(frames, interval=INTERVALS)
+    for channel, course in streamed(model, frames).items():
+        np.testing.assert_array_equal(course, getattr(clip, channel), err_msg=channel)
 
 
 def test_the_clip_crosses_every_threshold():
@@ -324,7 +356,7 @@ def built(mechanisms: Any) -> lgmd.LGMD2:
         (lambda: lgmd.ablate(lgmd.LGMD2(), "size"), "mechanism is 'size'; choose"),
         (lambda: lgmd.ablate(built(("shunt",)), "membrane"), "mechanism is 'membrane'; choose"),
         (lambda: lgmd.Parameters(T_p=0.0), "T_p is 0 grey level; it must lie in"),
-        (lambda: lgmd.Parameters(lag=-1.0), "lag is -1 ms; it must lie in"),
+        (lambda: lgmd.Parameters(lag=81.0), r"lag is 81 ms; it must lie in \[0, 80\]"),
         (lambda: lgmd.Parameters(gamma=0.0), "gamma is 0; it must lie in"),
     ],
 )
