@@ -188,7 +188,10 @@ def test_a_solver_finds_the_parameters():
     np.testing.assert_allclose(solution.value, 0, atol=1e-6)
 
 
-def maps_carried(function, *arguments, size=math.prod(np.add(FRAMES[0].shape, 2))):
+WITH_BORDER = math.prod(np.add(FRAMES[0].shape, 2))
+
+
+def maps_carried(function, *arguments, size=WITH_BORDER):
     """How many arrays of a size, by default a frame's with its border, the scan that remembers most carries along."""
 
     def scans(jaxpr):
