@@ -23,7 +23,7 @@ from __future__ import annotations
 import json
 import math
 import warnings
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -88,7 +88,7 @@ class HardLGMD2:
     - `parameters`: a value for each of `DOMAINS`, by the paper's symbols, in its domain.
     - `fps`: frames per second that the parameters belong to; None if every step is given its interval.
     - `n_p`, `low_pass`, `N_ts`: structure, as in the hand-over file.
-    - `mechanisms`: those that the model has, each with a value for each of its parameters in `MECHANISMS`.
+    - `mechanisms`: the names of those that the model has; `parameters` then holds theirs too (`MECHANISMS`).
 
     **Raises:** `ValueError` for parameters that are missing, unknown or out of their domain, and for unknown structure.
     """
@@ -101,16 +101,16 @@ class HardLGMD2:
         n_p: int = 0,
         low_pass: str = "backward_euler",
         N_ts: int = 4,
-        mechanisms: Mapping[str, Mapping[str, float]] | None = None,
+        mechanisms: Sequence[str] = (),
     ):
-        mechanisms = {} if mechanisms is None else mechanisms
-        _check_parameters(parameters)
-        _check_mechanisms(mechanisms)
+        _check_names(mechanisms)
+        domains = dict(DOMAINS)
+        for name in mechanisms:
+            domains.update(MECHANISMS[name])
+        _check_parameters(parameters, domains)
         _check_structure({"n_p": n_p, "low_pass": low_pass, "N_ts": N_ts})
         _check_rate(fps)
-        self.parameters = {name: float(parameters[name]) for name in DOMAINS}
-        for values in mechanisms.values():
-            self.parameters.update((name, float(value)) for name, value in values.items())
+        self.parameters = {name: float(parameters[name]) for name in domains}
         self.mechanisms = tuple(mechanisms)
         self.fps, self.n_p, self.low_pass, self.N_ts = fps, n_p, low_pass, N_ts
         u = self.parameters["u"]
@@ -274,8 +274,7 @@ def load(path) -> HardLGMD2:
     **Raises:** `ValueError` that says what is wrong with the file, `OSError` where it cannot be read.
     """
     content = read(path)
-    fps = content["eye"]["fps"] if content["eye"] else None
-    return HardLGMD2(content["parameters"], fps, mechanisms=content["mechanisms"], **content["structure"])
+    return _model(content, content["eye"]["fps"] if content["eye"] else None)
 
 
 def read(path) -> dict:
@@ -289,17 +288,22 @@ def read(path) -> dict:
     try:
         if content["network"] != NETWORK:
             raise ValueError(f"its network is {content['network']!r}; this program runs the {NETWORK} alone")
-        _check_parameters(content["parameters"])
-        _check_mechanisms(content["mechanisms"])
+        _check_parameters(content["parameters"], DOMAINS)
+        _check_tables(content["mechanisms"])
         _check_structure(content["structure"])
         vector = content["test_vector"]
-        structure = content["structure"]
         with np.errstate(all="ignore"):
-            model = HardLGMD2(content["parameters"], vector["fps"], mechanisms=content["mechanisms"], **structure)
-            prove(model(np.array(vector["frames"])), vector)
+            prove(_model(content, vector["fps"])(np.array(vector["frames"])), vector)
     except ValueError as error:
         raise ValueError(f"{path} is not a hand-over file that can be used: {error}") from None
     return content
+
+
+def _model(content, fps):
+    parameters = dict(content["parameters"])
+    for values in content["mechanisms"].values():
+        parameters.update(values)
+    return HardLGMD2(parameters, fps, mechanisms=tuple(content["mechanisms"]), **content["structure"])
 
 
 def read_any(path) -> dict:
@@ -363,26 +367,32 @@ def _lateral(d):
     return (wide[:, :-2] + 2 * rows + wide[:, 2:]) / 8 - d / 2
 
 
-def _check_parameters(parameters):
+def _check_parameters(parameters, domains):
+    """Whether each has a value in its domain. What belongs to an absent mechanism may be there, and is not used."""
     if not isinstance(parameters, Mapping):
-        raise ValueError(f"parameters is {parameters!r}; give a value for each of {', '.join(DOMAINS)}")
+        raise ValueError(f"parameters is {parameters!r}; give a value for each of {', '.join(domains)}")
     for name in parameters:
-        if name not in DOMAINS:
-            raise ValueError(f"parameter {name} is unknown; there are {', '.join(DOMAINS)}")
-    _check_values(parameters, DOMAINS)
+        if name not in DOMAINS and not any(name in table for table in MECHANISMS.values()):
+            raise ValueError(f"parameter {name} is unknown; there are {', '.join(domains)}")
+    _check_values(parameters, domains)
 
 
-def _check_mechanisms(mechanisms):
-    if not isinstance(mechanisms, Mapping):
-        raise ValueError(f"mechanisms is {mechanisms!r}; give a table for each, of {', '.join(MECHANISMS)}")
-    for name, values in mechanisms.items():
+def _check_names(mechanisms):
+    for name in mechanisms:
         if name not in MECHANISMS:
             raise ValueError(f"mechanism {name} is unknown; there are {', '.join(MECHANISMS)}")
+    if "membrane" in mechanisms and "shunt" not in mechanisms:
+        raise ValueError("mechanisms has a membrane without the shunt that it needs")
+
+
+def _check_tables(mechanisms):
+    if not isinstance(mechanisms, Mapping):
+        raise ValueError(f"mechanisms is {mechanisms!r}; give a table for each, of {', '.join(MECHANISMS)}")
+    _check_names(mechanisms)
+    for name, values in mechanisms.items():
         if not isinstance(values, Mapping) or set(values) != set(MECHANISMS[name]):
             raise ValueError(f"mechanism {name} is {values!r}; give {', '.join(MECHANISMS[name])}")
         _check_values(values, MECHANISMS[name])
-    if "membrane" in mechanisms and "shunt" not in mechanisms:
-        raise ValueError("mechanisms has a membrane without the shunt that it needs")
 
 
 def _check_values(values, domains):

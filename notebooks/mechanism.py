@@ -17,9 +17,9 @@ from scipy.stats import qmc
 import lgmd2jax as lgmd
 from benchmarks.properties import CELL, EYE
 from lgmd2jax._characterise.curves import curves_of
-from lgmd2jax._characterise.exam import exam_of, sums
-from lgmd2jax._characterise.measured import measured, result_of
-from lgmd2jax._characterise.verdicts import ROWS
+from lgmd2jax._characterise.exam import exam_of, sums_of
+from lgmd2jax._characterise.measurements import measure, result_of
+from lgmd2jax._characterise.properties import ROWS
 from notebooks import plots
 
 jax.config.update("jax_enable_x64", True)
@@ -69,7 +69,7 @@ counted, saturated = inhibition(lambda p: p > T_P), inhibition(lambda p: p / (p 
 stages = {}
 for name, parameters in pixels.items():
     model = lgmd.LGMD2(parameters, eye=EYE)
-    mp, plain = ([np.asarray(it) for it in channel] for channel in zip(*sums(exam, model), strict=True))
+    mp, plain = ([np.asarray(it) for it in channel] for channel in zip(*sums_of(exam, model), strict=True))
     stages[name] = model, mp, plain
 
 # %% [markdown]
@@ -89,7 +89,7 @@ starts = [
 def examined(seen, model, cells):
     def one(z):
         parameters, _ = CELL.insert(model.parameters, lgmd.Observation(), z)
-        return measured(curves_of(exam, seen, dataclasses.replace(model, parameters=parameters)))
+        return measure(curves_of(exam, seen, dataclasses.replace(model, parameters=parameters)))
 
     return jax.lax.map(one, cells, batch_size=16)
 

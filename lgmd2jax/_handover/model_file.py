@@ -56,7 +56,8 @@ def document(model: AbstractNetwork, provenance: Mapping[str, Plain] | None = No
     structure = {name: value for name, value in structure_of(model).items() if name != "mechanisms"}
     fps = None if eye is None else eye["fps"]
     if isinstance(model, LGMD2):
-        vector = make_test_vector(hard.HardLGMD2(parameters, mechanisms=mechanisms, **structure), fps)
+        together = {**parameters, **{name: value for table in mechanisms.values() for name, value in table.items()}}
+        vector = make_test_vector(hard.HardLGMD2(together, mechanisms=tuple(mechanisms), **structure), fps)
     else:
         vector = response_vector(model, fps)
     return {

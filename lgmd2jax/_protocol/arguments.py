@@ -2,13 +2,13 @@
 
 import difflib
 import inspect
-import typing
 from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 from typing import Any
 
 from lgmd2jax._words import nearest
 from lgmd2jax.stimuli import BACKGROUNDS, DISTANCES
+from lgmd2jax.stimuli._units import parts_of
 
 _KINDS = {**BACKGROUNDS, **DISTANCES}
 
@@ -66,7 +66,7 @@ def located(path: str, folder: Path) -> str:
 
 
 def _value(key: str, value: Any, annotation: Any, folder: Path) -> Any:
-    allowed = typing.get_args(annotation) or (annotation,)
+    allowed = tuple(parts_of(annotation))
     if isinstance(value, Mapping):
         return _object(key, value, allowed, folder)
     if Any in allowed:  # the field of an object that converts and checks by itself

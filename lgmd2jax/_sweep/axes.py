@@ -18,7 +18,7 @@ from lgmd2jax._network.parameters import symbols
 from lgmd2jax._types import is_concrete
 from lgmd2jax._words import nearest
 from lgmd2jax.stimuli import Stimulus
-from lgmd2jax.stimuli._probe import probe
+from lgmd2jax.stimuli._family import outline
 
 Models = Network | Sequence[Network] | Mapping[str, Network]
 
@@ -122,7 +122,7 @@ def read_grid(
     if twice:
         raise ValueError(f"{sorted(twice)[0]} is an axis twice; name each once")
     units, window = _corners(renderer, eye, fixed, [axis for axis in axes if axis.kind == "stimulus"])
-    if window and {"start_ms", "end_ms"} <= set(known):
+    if {"start_ms", "end_ms"} <= set(known):
         fixed |= {"start_ms": window[0], "end_ms": window[1]}
     axes = [dataclasses.replace(axis, unit=axis.unit or units.get(axis.name, "")) for axis in axes]
     kinds: list[tuple[str, Kind]] = [(axis.name, axis.kind) for axis in axes]
@@ -166,16 +166,14 @@ def _values(name: str, value: Any) -> np.ndarray:
 
 def _corners(
     renderer: Callable, eye: Eye, fixed: Mapping[str, Any], axes: Sequence[Axis]
-) -> tuple[dict[str, str], tuple[float, float] | None]:
+) -> tuple[dict[str, str], tuple[float, float]]:
     """What the renderer says of the corners of the grid, which it checks: units, and a window that covers them all."""
-    units, windows = {}, []
+    units, frames = {}, []
     for corner in itertools.product(*((axis.values.min(), axis.values.max()) for axis in axes)):
         point = {axis.name: float(value) for axis, value in zip(axes, corner, strict=True)}
-        found = probe(renderer, eye, **fixed, **point)
-        units |= found.units
-        windows += [found.window] if found.window else []
-    starts, ends = zip(*windows, strict=True) if windows else ((), ())
-    return units, (min(starts), max(ends)) if windows else None
+        time, units = outline(renderer, eye, **fixed, **point)
+        frames += np.rint(np.asarray(time)[[0, -1]] * (eye.fps / 1000)).tolist()
+    return units, (min(frames) * 1000 / eye.fps, max(frames) * 1000 / eye.fps)
 
 
 def _named(renderer: Callable) -> str:

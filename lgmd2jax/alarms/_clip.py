@@ -18,6 +18,7 @@ class LabelledClip:
     - `frames`: grey levels 0..255; 8-bit integers where they are whole.
     - `fps`: frames per second, after repeated frames were dropped.
     - `index`, `time`: where each frame stands in the file, and when, in ms.
+    - `interval`: ms since the frame before, for the model's time constants.
     - `windows`: stretches in each of which an alarm must be raised.
     - `silent`: stretches in which none may be.
     - `contact`: the frame of the file in which something is hit, perhaps one after its end; None where nothing is.
@@ -28,6 +29,7 @@ class LabelledClip:
     fps: float
     index: Int[np.ndarray, " time"]
     time: Float[np.ndarray, " time"]
+    interval: Float[np.ndarray, " time"]
     windows: tuple[Stretch, ...] = ()
     silent: tuple[Stretch, ...] = ()
     contact: int | None = None
@@ -44,18 +46,28 @@ class LabelledClip:
         contact: int | None = None,
         index: Int[np.ndarray, " time"] | None = None,
         time: Float[np.ndarray, " time"] | None = None,
+        interval: Float[np.ndarray, " time"] | None = None,
+        count: int | None = None,
     ) -> "LabelledClip":
         """A clip of your own with its labels.
 
         **Arguments:** as the fields; stretches are pairs of first and last frame. Without `index` and `time` the frames
-        are taken to be all of the file's.
+        are taken to be all of the file's; without `interval` the times say it.
 
-        **Raises:** `ValueError` for stretches that are reversed, overlap or lie outside of the clip.
+        - `count`: how many frames the file holds, where the last ones were dropped as repeats.
+
+        **Raises:** `ValueError` for stretches that are reversed, overlap or lie outside of the clip, and for frames
+        with NaN or with a mask.
         """
+        if np.ma.isMaskedArray(frames) or not np.isfinite(frames).all():
+            raise ValueError(f"{name}: frames holds NaN, infinite or masked pixels; fill them first")
         index = np.arange(len(frames)) if index is None else index
+        if interval is None:
+            usual = 1000.0 / fps
+            interval = np.full(len(index), usual) if time is None else np.diff(time, prepend=time[0] - usual)
         time = index * (1000.0 / fps) if time is None else time
-        check_stretches(name, int(index[-1]), {"alarm": windows, "silent": silent})
-        clip = cls(name, frames, float(fps), index, time, _pairs(windows), _pairs(silent), contact)
+        check_stretches(name, int(index[-1]) if count is None else count - 1, {"alarm": windows, "silent": silent})
+        clip = cls(name, frames, float(fps), index, time, interval, _pairs(windows), _pairs(silent), contact)
         for window, inside in zip(clip.windows, clip.in_windows(), strict=True):
             if not inside.any():
                 raise ValueError(f"{name}: alarm {window[0]} to {window[1]} holds repeated frames alone; widen it")
@@ -82,7 +94,7 @@ class LabelledClip:
     @property
     def silent_minutes(self) -> float:
         """How long the clip must be silent."""
-        return float(self.in_silence().sum()) / self.fps / 60
+        return float(self.interval[self.in_silence()].sum()) / 60_000
 
     def _within(self, stretch: Stretch) -> Bool[np.ndarray, " time"]:
         return (self.index >= stretch[0]) & (self.index <= stretch[1])
@@ -92,7 +104,7 @@ def _pairs(stretches: Sequence[Sequence[int]]) -> tuple[Stretch, ...]:
     return tuple((int(first), int(last)) for first, last in stretches)
 
 
-def check_stretches(name: str, last: int, kinds: Mapping[str, Sequence[Sequence[int]]]) -> None:
+def check_stretches(name: str, last: float | int, kinds: Mapping[str, Sequence[Sequence[int]]]) -> None:
     """Raise `ValueError` for a stretch that is reversed, lies outside of frames 0 to `last`, or meets another one."""
     labels = []
     for kind, pairs in kinds.items():

@@ -24,7 +24,7 @@ class ClipBatch(eqx.Module):
     """
 
     frames: Real[Array, "clip time row col"]
-    interval: Float[Array, " clip"]
+    interval: Float[Array, "clip time"]
     windows: Bool[Array, "clip window time"]
     silent: Bool[Array, "clip time"]
     members: tuple[int, ...] = eqx.field(static=True)
@@ -62,9 +62,10 @@ def _batch(clips: Sequence[LabelledClip], members: tuple[int, ...]) -> ClipBatch
         windows[number, : len(clip.windows), : len(clip.frames)] = clip.in_windows()
         silent[number, : len(clip.frames)] = clip.in_silence()
     frames = [np.pad(clip.frames, [(0, length - len(clip.frames)), (0, 0), (0, 0)], mode="edge") for clip in clips]
+    intervals = [np.pad(clip.interval, (0, length - len(clip.frames)), mode="edge") for clip in clips]
     return ClipBatch(
         frames=jnp.asarray(np.stack(frames)),
-        interval=jnp.asarray([1000 / clip.fps for clip in clips], dtype=float),
+        interval=jnp.asarray(np.stack(intervals), dtype=float),
         windows=jnp.asarray(windows),
         silent=jnp.asarray(silent),
         members=members,

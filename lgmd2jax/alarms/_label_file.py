@@ -1,9 +1,10 @@
 """Labelled clips, read from a TOML file: recorded ones beside it, and rendered ones whose geometry is their label."""
 
 import dataclasses
+import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 import numpy as np
@@ -13,13 +14,14 @@ from lgmd2jax._files.catalogue import read_named
 from lgmd2jax._protocol.arguments import check_keys, section
 from lgmd2jax._protocol.protocol import eye_of
 from lgmd2jax._signals import stretches
-from lgmd2jax._video.clip import open_clip, window_of
+from lgmd2jax._video.clip import Clip, open_clip, window_of
+from lgmd2jax._video.recording import Recording
 from lgmd2jax.alarms._clip import LabelledClip, check_stretches
-from lgmd2jax.alarms._decoding import DecodedClip, decode
+from lgmd2jax.alarms._decoding import decode
 from lgmd2jax.stimuli import Encounter, encounters
 
 _CLIP = ("name", "file", "fps", "resize", "crop", "drop_duplicates", "alarm", "silent", "contact", "before_ms")
-_CLIP += ("grace_ms", "settle")
+_CLIP += ("grace_ms", "settle", "white", "until_damage")
 _SETTLE = 10  # frames at the beginning of a clip that are not judged: the network comes to rest
 _GRACE_MS = 1000.0  # after contact nothing is judged: the camera jolts
 
@@ -81,15 +83,31 @@ class LabelFile:
     folder: Path
 
     def load(self, progress: Callable[[Iterable], Iterable] = iter) -> tuple[LabelledClip, ...]:
-        """All clips, recorded ones first. `progress` wraps the loop over them; what is rendered counts as one."""
-        sources = [*self.clips, *([] if self.rendered is None else [self.rendered])]
+        """All clips, recorded ones first. `progress` wraps the loop over them; what is rendered counts as one.
+
+        All recorded clips are opened and their labels checked before the first is decoded.
+
+        **Raises:** `ValueError` that names all clips whose files or labels are wrong.
+        """
+        sources = [*self._opened(), *([] if self.rendered is None else [self.rendered])]
         return tuple(clip for source in progress(sources) for clip in self._clips_of(source))
 
-    def _clips_of(self, source: dict[str, Any] | Rendering) -> Iterator[LabelledClip]:
+    def _clips_of(self, source: "_Opened | Rendering") -> Iterator[LabelledClip]:
         if isinstance(source, Rendering):
             yield from source.clips(self.eye)
         else:
-            yield _recorded(source, self)
+            yield source.labelled()
+
+    def _opened(self) -> list["_Opened"]:
+        opened, faults = [], []
+        for table in self.clips:
+            try:
+                opened.append(_Opened.of(table, self))
+            except (ValueError, OSError) as fault:
+                faults.append(str(fault))
+        if faults:
+            raise ValueError("; ".join(faults))
+        return opened
 
 
 def load_labels(source: str | Path) -> LabelFile:
@@ -111,7 +129,7 @@ def load_labels(source: str | Path) -> LabelFile:
     drop_duplicates = true      # for a file whose frame rate was converted
     crop = ":,36:397"           # rows and columns to use
     # before_ms = [1000, 0]     # instead of alarm: from so long before contact to so long before it
-    # fps = 30, name = "crash", resize = 108, grace_ms = 1000, settle = 10
+    # fps = 30, name = "crash", resize = 108, white = 4095, until_damage = true, grace_ms = 1000, settle = 10
 
     [rendered]                  # clips without end; their label is the time to contact by geometry
     count = 100
@@ -146,35 +164,71 @@ def _label_file(path: Path, table: dict[str, Any]) -> LabelFile:
     return LabelFile(path.stem, eye, tuple(clips), Rendering(**rendering) if rendering else None, folder)
 
 
-def _recorded(table: dict[str, Any], file: LabelFile) -> LabelledClip:
-    """A recorded clip of the file with its labels."""
-    place = file.folder / table["file"]
-    name = table.get("name", place.stem)
-    crop = None if "crop" not in table else window_of(table["crop"])
-    clip = open_clip(place, fps=table.get("fps"), crop=crop, resize=table.get("resize", file.eye.cols))
-    film = decode(clip, place, bool(table.get("drop_duplicates", False)))
-    last = int(film.index[-1])
-    contact = table.get("contact")
-    if contact is not None and not (isinstance(contact, int) and 0 <= contact <= last):
-        raise ValueError(f"{name}: contact is {contact!r}; give a frame of 0 to {last}")
-    windows = table.get("alarm", [])
-    if "before_ms" in table:
-        windows = [_before(name, table["before_ms"], contact, film)]
-    silent = table.get("silent")
-    if silent is None:
-        check_stretches(name, last, {"alarm": windows})
-        grace = film.frame_at(film.time_of(contact) + table.get("grace_ms", _GRACE_MS)) if contact is not None else -1
-        silent = _rest(windows, table.get("settle", _SETTLE), contact, grace, last)
-    return LabelledClip.of(
-        name, film.frames, film.fps, windows=windows, silent=silent, contact=contact, index=film.index, time=film.time
-    )
+class _Opened(NamedTuple):
+    """A recorded clip that is not decoded yet, with its table of the file."""
+
+    table: dict[str, Any]
+    place: Path
+    clip: Clip
+
+    @classmethod
+    def of(cls, table: dict[str, Any], file: LabelFile) -> "_Opened":
+        """Open a clip of the file; its labels are checked as far as they can be before it is decoded."""
+        place = file.folder / table["file"]
+        crop = None if "crop" not in table else window_of(table["crop"])
+        clip = open_clip(
+            place,
+            fps=table.get("fps"),
+            crop=crop,
+            resize=table.get("resize", file.eye.cols),
+            white=table.get("white"),
+            until_damage=bool(table.get("until_damage", False)),
+        )
+        opened = cls(table, place, clip)
+        opened.check_labels(clip.count)
+        return opened
+
+    @property
+    def name(self) -> str:
+        """As the file says, else the clip's."""
+        return self.table.get("name", self.place.stem)
+
+    def check_labels(self, count: int | None) -> None:
+        """Raise `ValueError` for what is no label: labels are frames of the file, repeated ones included.
+
+        `count`: how many frames there are, where that is known.
+        """
+        name, table = self.name, self.table
+        contact, last = table.get("contact"), math.inf if count is None else count - 1
+        if contact is not None and not (isinstance(contact, int) and 0 <= contact <= last):
+            raise ValueError(f"{name}: contact is {contact!r}; give a frame of 0 to {last}")
+        check_stretches(name, last, {kind: table.get(kind) or [] for kind in ("alarm", "silent")})
+        if (before := table.get("before_ms")) is not None:
+            if contact is None:
+                raise ValueError(f"{name}: before_ms counts from contact, which is not given; give its frame")
+            if not (isinstance(before, list) and len(before) == 2 and before[0] > before[1] >= 0):
+                raise ValueError(f"{name}: before_ms is {before!r}; give two times before contact, as [1000, 0]")
+
+    def labelled(self) -> LabelledClip:
+        """The clip with its labels, decoded."""
+        table = self.table
+        options = table.get("white"), table.get("until_damage")
+        film = decode(self.clip, self.place, bool(table.get("drop_duplicates", False)), options)
+        self.check_labels(film.count)
+        contact, windows, silent = table.get("contact"), table.get("alarm", []), table.get("silent")
+        if contact is not None and "before_ms" in table:
+            windows = [_before(table["before_ms"], contact, film)]
+        if silent is None:
+            grace = -1
+            if contact is not None:
+                grace = film.frame_at(film.time_of(contact) + table.get("grace_ms", _GRACE_MS))
+            silent = _rest(windows, table.get("settle", _SETTLE), contact, grace, film.count - 1)
+        labels = {"windows": windows, "silent": silent, "contact": contact}
+        times = {"index": film.index, "time": film.time, "interval": film.interval, "count": film.count}
+        return LabelledClip.of(self.name, film.frames, film.fps, **labels, **times)
 
 
-def _before(name: str, before: Any, contact: int | None, film: DecodedClip) -> tuple[int, int]:
-    if contact is None:
-        raise ValueError(f"{name}: before_ms counts from contact, which is not given; give its frame")
-    if not (isinstance(before, list) and len(before) == 2 and before[0] > before[1] >= 0):
-        raise ValueError(f"{name}: before_ms is {before!r}; give two times before contact, as [1000, 0]")
+def _before(before: list, contact: int, film: Recording) -> tuple[int, int]:
     first, last = (film.frame_at(film.time_of(contact) - lead) for lead in before)
     return first, last
 

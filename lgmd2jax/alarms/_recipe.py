@@ -64,7 +64,7 @@ class AlarmRecipe:
         digest = hashlib.sha256(json.dumps(self.table, sort_keys=True).encode())
         for clip in clips:
             digest.update(repr((clip.fps, clip.windows, clip.silent, clip.contact)).encode())
-            digest.update(np.ascontiguousarray(clip.frames).tobytes() + clip.index.tobytes())
+            digest.update(np.ascontiguousarray(clip.frames).tobytes() + clip.index.tobytes() + clip.interval.tobytes())
         return digest.hexdigest()
 
 

@@ -8,7 +8,7 @@ import json
 import jax
 
 from lgmd2jax._characterise import Characterisation, ablations, characterise, differences, rasters
-from lgmd2jax._characterise.table import table
+from lgmd2jax._characterise.result import table
 from lgmd2jax._eye import Eye
 from lgmd2jax._files.atomic import replaced
 from lgmd2jax._handover.named import model_file, model_named

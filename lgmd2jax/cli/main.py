@@ -13,6 +13,7 @@ from opcode import opname
 from types import ModuleType
 
 from lgmd2jax._compute.xla import set_flags
+from lgmd2jax._video.remarks import clip_warnings_as_lines
 from lgmd2jax.cli.options import characterise, export, fit, predict, respond, stimuli, sweep, watch
 
 _COMMANDS = (respond, watch, fit, predict, characterise, sweep, stimuli, export)
@@ -61,7 +62,8 @@ def main(arguments: list[str] | None = None) -> int:
         with _ended_by_ctrl_c() if arguments is None else contextlib.nullcontext():
             _parser().parse_args(arguments, options)
             command = _loaded(options.command)
-        command.run(options)
+        with clip_warnings_as_lines():
+            command.run(options)
     except (Exception, KeyboardInterrupt) as error:
         if options.traceback:
             traceback.print_exception(error)

@@ -1,10 +1,8 @@
 # The public names. `__init__.py` loads each of them when it is first used.
-from lgmd2jax._network.parameter_set import ParameterSet as ParameterSet
-from lgmd2jax._targets.target import AnyTarget as AnyTarget
-
+from ._conditions import AnyTarget as AnyTarget
 from ._curve import Curve as Curve
 from ._fit import fit as fit
-from ._free import Free as Free, Linear as Linear, Log as Log, Tie as Tie
+from ._free import Free as Free, Linear as Linear, Log as Log, ParameterSet as ParameterSet, Tie as Tie
 from ._law_fit import LawComparison as LawComparison, LawFit as LawFit, PeakLine as PeakLine
 from ._report import Supplement as Supplement
 from ._result import Fit as Fit

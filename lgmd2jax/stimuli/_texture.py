@@ -1,8 +1,9 @@
-"""Pictures as surfaces that can be looked at anywhere between their pixels."""
+"""Pictures as surfaces that have a grey level anywhere, also between their pixels."""
 
 import functools
 import os
 import pathlib
+import warnings
 from collections.abc import Callable
 
 import jax
@@ -40,6 +41,8 @@ def read(image) -> Float[Array, "height width"]:
         raise ValueError(f"image has shape {np.shape(image)}; give grey levels as (row, col)")
     if is_concrete(image) and not (np.all(np.isfinite(image)) and np.min(image) >= 0 and np.max(image) <= 255):
         raise ValueError("image holds values outside of 0..255; give grey levels")
+    if is_concrete(image) and 0 < np.max(image) <= 1:
+        warnings.warn("image holds no grey level above 1; was 0..255 meant, given in 0..1?", stacklevel=3)
     return jnp.asarray(image, dtype=float)
 
 

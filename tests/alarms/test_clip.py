@@ -15,7 +15,15 @@ def test_labels_count_the_frames_of_the_file_also_where_repeats_were_dropped():
     )
     assert clip.in_windows().tolist() == [[False, False, True, True, False, False, False]]
     assert clip.in_silence().tolist() == [True, True, False, False, False, True, True]
-    assert clip.silent_minutes == pytest.approx(4 / 21 / 60)
+    assert clip.silent_minutes == pytest.approx((1000 / 21 + 33 + 33 + 66) / 60_000)  # as the times say
+
+
+def test_frames_without_a_value_everywhere_are_refused():
+    holes = np.zeros((20, 3, 4))
+    holes[4, 1, 1] = np.nan
+    for frames in (holes, np.ma.masked_invalid(holes)):
+        with pytest.raises(ValueError, match="c: frames holds NaN, infinite or masked pixels"):
+            LabelledClip.of("c", frames, 20)
 
 
 @pytest.mark.parametrize(("contact", "ms"), [(10, 500.0), (19, 950.0), (22, 1100.0)])

@@ -1,10 +1,13 @@
 """Files of labelled clips: what they say, what follows where they say nothing, and what is refused."""
 
+import shutil
+
 import numpy as np
 import pytest
 
+from lgmd2jax._video.remarks import ClipWarning
 from lgmd2jax.alarms import Rendering, _decoding as module, load_labels
-from tests.videos import noise, write_folder, write_video
+from tests.videos import damaged, noise, write_folder, write_video
 
 EYE = """
 [eye]
@@ -64,13 +67,71 @@ def test_without_a_silence_all_else_is_silent_but_the_beginning_and_the_time_aft
 def test_a_clip_is_decoded_once_and_again_when_it_changes(place, monkeypatch):
     text = '[[clip]]\nfile = "crash.mkv"\n'
     (first,) = load(place, text)
-    monkeypatch.setattr("lgmd2jax._video.clip.Clip._seen", lambda *_: pytest.fail("decoded again"))
+    monkeypatch.setattr("lgmd2jax._video.clip.Clip.record", lambda *_: pytest.fail("decoded again"))
     (second,) = load(place, text)
     np.testing.assert_array_equal(first.frames, second.frames)
     monkeypatch.undo()
     write_video(place / "crash.mkv", list(noise(60, seed=1)))
     (third,) = load(place, text)
     assert not np.array_equal(first.frames, third.frames)
+
+
+def test_labels_count_the_frames_of_the_file_also_where_the_last_ones_repeat(place):
+    pictures = noise(40)
+    pictures[[5, 11, 17, 23, 29, 35, 39]] = pictures[[4, 10, 16, 22, 28, 34, 38]]
+    write_video(place / "crash.mkv", list(pictures))
+    (clip,) = load(place, '[[clip]]\nfile = "crash.mkv"\ndrop_duplicates = true\nalarm = [[30, 39]]\ncontact = 39\n')
+    assert 39 not in clip.index
+    assert clip.in_windows().sum() == 8
+    with pytest.raises(ValueError, match="alarm 30 to 40 lies outside of the clip, whose frames are 0 to 39"):
+        load(place, '[[clip]]\nfile = "crash.mkv"\ndrop_duplicates = true\nalarm = [[30, 40]]\n')
+
+
+def test_the_labels_of_all_clips_are_checked_before_any_is_decoded(place, monkeypatch):
+    monkeypatch.setattr("lgmd2jax._video.clip.Clip.record", lambda *_: pytest.fail("decoded"))
+    write_folder(place / "frames", noise(12))
+    text = """
+[[clip]]
+file = "crash.mkv"
+alarm = [[30, 20]]
+[[clip]]
+file = "frames"
+fps = 30
+name = "second"
+contact = 12
+[[clip]]
+file = "frames"
+fps = 30
+name = "third"
+before_ms = [500, 0]
+"""
+    with pytest.raises(ValueError, match=r"crash: alarm 30 to 20 is reversed.*second: contact is 12.*third: before_ms"):
+        load(place, text)
+
+
+def test_a_cache_that_cannot_be_written_or_is_broken_is_done_without(place):
+    text = '[[clip]]\nfile = "crash.mkv"\n'
+    (first,) = load(place, text)
+    (kept,) = (place / "cache").rglob("*.npz")
+    kept.write_bytes(kept.read_bytes()[:100])
+    (again,) = load(place, text)
+    np.testing.assert_array_equal(first.frames, again.frames)
+    shutil.rmtree(place / "cache")
+    (place / "cache").write_text("in the way, as a cache that is read only would be")
+    with pytest.warns(ClipWarning, match="decoded anew each time, since the cache .* cannot be written"):
+        (again,) = load(place, text)
+    np.testing.assert_array_equal(first.frames, again.frames)
+
+
+def test_a_white_level_and_a_damaged_end_are_keys_of_a_clip(place):
+    deep = np.random.default_rng(0).integers(0, 4096, (30, 24, 36), dtype=np.uint16)
+    path = write_video(place / "deep.mkv", deep, pixels="gray16le", given="gray16le")
+    (clip,) = load(place, '[[clip]]\nfile = "deep.mkv"\nwhite = 4095\n')
+    assert clip.frames.mean() == pytest.approx(255 / 2, rel=0.01)
+    damaged(path)
+    with pytest.warns(ClipWarning, match="damaged or truncated"):
+        (clip,) = load(place, '[[clip]]\nfile = "deep.mkv"\nwhite = 4095\nuntil_damage = true\n')
+    assert 5 < len(clip.frames) < 30
 
 
 def test_a_folder_of_images_and_a_crop(place):

@@ -27,9 +27,8 @@ def old_name(name):
     ],
 )
 def test_an_old_name_is_the_new_one_and_says_so(old, new):
-    with pytest.warns(DeprecationWarning, match=rf"^lgmd2jax.alarms.{old} is now lgmd2jax.alarms.{new};") as warnings:
+    with pytest.warns(DeprecationWarning, match=rf"^lgmd2jax.alarms.{old} is now lgmd2jax.alarms.{new};"):
         assert getattr(alarms, old) is getattr(alarms, new)
-    assert warnings[0].filename == __file__
 
 
 def test_old_functions_that_became_methods():
@@ -45,5 +44,5 @@ def test_old_functions_that_became_methods():
 
 
 def test_a_name_that_never_was_is_unknown():
-    with pytest.raises(AttributeError, match="has no attribute 'footages'"):
+    with pytest.raises(AttributeError, match="No lgmd2jax.alarms attribute footages"):
         _ = alarms.footages  # pyright: ignore[reportAttributeAccessIssue]

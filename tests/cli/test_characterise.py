@@ -5,9 +5,9 @@ import json
 import pytest
 
 import lgmd2jax as lgmd
-from lgmd2jax._characterise.measured import result_of
+from lgmd2jax._characterise.measurements import result_of
 from lgmd2jax.cli import characterise as command, main
-from tests.characterise.signals import EXAM, ideal, seen
+from tests.characterise.signals import EXAM, examine, ideal
 from tests.fitting.fits import fit_with
 
 EYE = lgmd.Eye(rows=32, cols=42, degrees_per_pixel=3.0, fps=50.0)
@@ -15,7 +15,7 @@ EYE = lgmd.Eye(rows=32, cols=42, degrees_per_pixel=3.0, fps=50.0)
 
 @pytest.fixture(scope="module")
 def found():
-    return result_of(EXAM, "LGMD2", seen(ideal()))
+    return result_of(EXAM, "LGMD2", examine(ideal()))
 
 
 @pytest.fixture(scope="module")

@@ -14,11 +14,13 @@ from matplotlib.colors import to_rgb
 
 import lgmd2jax as lgmd
 from lgmd2jax._figures.response import BLUE, GREEN, SKY, VERMILION, response_figure
-from lgmd2jax._video.clip import Frame, grey, open_clip
+from lgmd2jax._video.clip import Frame, open_clip
+from lgmd2jax._video.grey import grey
 from lgmd2jax._video.snapshots import Snapshot
 from lgmd2jax._video.trace import Trace
 from lgmd2jax.cli import main
 from lgmd2jax.cli.respond import responses
+from tests.videos import damaged, write_video
 
 av = pytest.importorskip("av", reason="reading video needs the extra 'video'")
 
@@ -73,7 +75,7 @@ def test_streaming_a_clip_is_the_whole_clip_call(folder):
 def test_real_intervals_reach_the_model(folder):
     def slowed(frames):
         for frame in frames:
-            yield Frame(frame.index, frame.time, 2 * frame.interval, frame.picture, frame.grey, False)
+            yield Frame(frame.index, frame.time, 2 * frame.interval, frame.pixels, frame.grey, False)
 
     model, clip = lgmd.LGMD2(), open_clip(folder, fps=30.0)
     fast, slow = ([row for _, row in responses(model, frames)] for frames in (clip, slowed(clip)))
@@ -85,7 +87,7 @@ def test_a_repeated_frame_does_not_reach_the_model(folder):
     def stuttered(frames):
         for frame in frames:
             yield frame
-            yield Frame(frame.index, frame.time, frame.interval, frame.picture, frame.grey, repeated=True)
+            yield Frame(frame.index, frame.time, frame.interval, frame.pixels, frame.grey, repeated=True)
 
     model, clip = lgmd.LGMD2(), open_clip(folder, fps=30.0)
     plain = [row for _, row in responses(model, clip)]
@@ -230,6 +232,48 @@ def test_a_model_file_is_used_and_another_frame_rate_warned_of(folder, tmp_path,
     whole = lgmd.LGMD2(lgmd.Parameters(k=0.5))(jnp.stack([jnp.asarray(grey(picture)) for picture in loom()]), 30.0)
     np.testing.assert_allclose([float(row["smp"]) for row in table("loom.csv")], whole.smp, rtol=1e-8)
     assert capsys.readouterr().err == "lgmd2jax: warning: the model belongs to 100 fps, the clip has 30\n"
+
+
+def test_a_clip_much_larger_than_the_eye_gets_a_word(folder, capsys):
+    lgmd.save(lgmd.LGMD2(eye=lgmd.Eye(11, 15, degrees_per_pixel=2.0, fps=30.0)), "model.json")
+    arguments = ["respond", str(folder), "--fps", "30", "--model", "model.json"]
+    assert main([*arguments, "--resize", "55"]) == 0
+    assert "warning: the model's eye has 11 x 15 pixels, and it sees 41 x 55" in capsys.readouterr().err
+    assert main(arguments) == 0
+    assert capsys.readouterr().err == ""
+
+
+def test_one_frame_that_is_held_does_not_change_the_clock_of_the_others(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    stamps = [*np.round(np.arange(40) * 1000 / 30), 6300]
+    write_video(
+        tmp_path / "held.mp4", [*loom(40, 40, 56), loom(40, 40, 56)[-1]], "libx264", "yuv420p", stamps_ms=stamps
+    )
+    lgmd.save(lgmd.LGMD2(eye=lgmd.Eye(40, 56, degrees_per_pixel=2.0, fps=30.0)), "model.json")
+    assert main(["respond", "held.mp4", "--model", "model.json"]) == 0
+    said = capsys.readouterr()
+    assert said.err == ""
+    assert re.search(r"at (30|29\.9\d+) fps", said.out)
+    steps = re.search(r"clock     the file's time stamps: a step of the model is (\S+) to (\S+) ms", said.out)
+    assert steps is not None
+    assert [float(step) for step in steps.groups()] == pytest.approx([1000 / 30, 5000], abs=1.5)
+    assert re.search(r"speed     \d+ frames per second, without compilation", said.out)
+    assert len(table("held.csv")) == 41
+
+
+def test_a_white_level_and_a_damaged_end_can_be_told(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    deep = (loom(40, 20, 28)[..., 0] / 255 * 4095).round().astype(np.uint16)
+    path = write_video(tmp_path / "deep.mkv", deep, pixels="gray16le", given="gray16le")
+    assert main(["respond", "deep.mkv", "--white", "4095"]) == 0
+    expected = [row.smp for _, row in responses(lgmd.LGMD2(), open_clip(path, white=4095))]
+    assert [float(row["smp"]) for row in table("deep.csv")] == pytest.approx(expected, abs=1e-8)
+    capsys.readouterr()
+    damaged(path)
+    assert "--until-damage" in refused([path, "--white", "4095"], capsys)
+    assert main(["respond", "deep.mkv", "--white", "4095", "--until-damage"]) == 0
+    assert re.fullmatch(r"lgmd2jax: warning: .*deep\.mkv: it is damaged or truncated: .*\n", capsys.readouterr().err)
+    assert 5 < len(table("deep.csv")) < 40
 
 
 def test_matplotlib_is_left_as_it_was(tmp_path):

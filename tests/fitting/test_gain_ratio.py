@@ -67,6 +67,7 @@ def test_successive_rejections_shrink_ever_faster():
 
 
 def test_the_first_point_is_always_accepted_and_does_not_grow():
-    accepted, new = after(0.5, bend=-8.0, first=True)
-    assert accepted
-    assert new.step_size == 1
+    for bend in (0.0, -8.0):  # a good step, were it one, and a bad one
+        accepted, new = after(0.5, bend=bend, first=True)
+        assert accepted
+        assert new.step_size == 1

@@ -13,6 +13,7 @@ examples:
   lgmd2jax respond film.mp4 --crop :,36:397               without the black bars left and right
   lgmd2jax respond crash.mp4 --model preset:yue_rind      the LGMD1 that the paper compares with
   lgmd2jax respond frames/ --fps 100                      a folder of images
+  lgmd2jax respond stack.tif --fps 100 --white 4095       the pages of a TIFF file, from a camera of 12 bits
   lgmd2jax respond crash.mp4 --overlay crash-lgmd2.mp4    also the clip with potential and alarm drawn on it
 
 The CSV file has a row a frame: frame, time_ms; summed potential (mp) and feed-forward inhibition (ffi), in grey levels;
@@ -50,3 +51,7 @@ def add(commands: argparse._SubParsersAction) -> None:
         "--crop", metavar="TOP:BOTTOM,LEFT:RIGHT", help="rows and columns to use, from 0; ends may be left out"
     )
     parser.add_argument("--drop-duplicates", action="store_true", help="pass over frames that repeat the one before")
+    parser.add_argument(
+        "--white", type=float, metavar="LEVEL", help="the value that is white (default: the largest of the format)"
+    )
+    parser.add_argument("--until-damage", action="store_true", help="end a damaged file at its damage, not in an error")

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from skimage.draw import disk, rectangle
 
-from lgmd2jax.stimuli import _coverage as coverage
-from lgmd2jax.stimuli._disc import Disc, _angle
+from lgmd2jax.stimuli import _shapes as shapes
+from lgmd2jax.stimuli._shapes import Disc, _angle
 
 ROWS, COLS, FINE = 20, 24, 40
 DISCS = {
@@ -33,7 +33,7 @@ def finely(right, up):
 
 @jax.jit
 def disc(place):
-    return Disc(ROWS, COLS, place[0], place[1], place[2]).covered()
+    return Disc(ROWS, COLS, place[0], place[1], place[2]).coverage()
 
 
 forward = jax.jit(jax.jacfwd(disc))
@@ -42,17 +42,17 @@ forward = jax.jit(jax.jacfwd(disc))
 @pytest.mark.parametrize("place", DISCS.values(), ids=DISCS)
 def test_disc_is_what_scikit_image_draws_finely(place):
     x, y, radius = place
-    drawn = supersampled(lambda shape: disk(finely(x, y), FINE * radius, shape=shape))
-    assert np.max(np.abs(disc(jnp.array(place)) - drawn)) < 3e-3
+    expected = supersampled(lambda shape: disk(finely(x, y), FINE * radius, shape=shape))
+    assert np.max(np.abs(disc(jnp.array(place)) - expected)) < 3e-3
 
 
 def test_rectangle_is_what_scikit_image_draws_finely():
     left, right, bottom, top = -6.15, 3.6, -14.0, 2.225
     (upper, first), (lower, last) = finely(left, top), finely(right, bottom)
     corners = (np.ceil([upper, first]).astype(int).clip(0), np.floor([lower, last]).astype(int))
-    drawn = supersampled(lambda shape: rectangle(corners[0], end=corners[1], shape=shape))
-    covered = coverage.Rectangle(ROWS, COLS, *map(jnp.asarray, (left, right, bottom, top))).covered()
-    assert np.max(np.abs(covered - drawn)) < 1e-12
+    expected = supersampled(lambda shape: rectangle(corners[0], end=corners[1], shape=shape))
+    coverage = shapes.Rectangle(ROWS, COLS, *map(jnp.asarray, (left, right, bottom, top))).coverage()
+    assert np.max(np.abs(coverage - expected)) < 1e-12
 
 
 def test_disc_has_its_exact_area_wherever_it_is():
@@ -62,7 +62,7 @@ def test_disc_has_its_exact_area_wherever_it_is():
 
 
 def test_single_precision_is_good_to_a_thousandth_of_a_pixel():
-    large = jax.jit(lambda x, y, radius: Disc(100, 120, x, y, radius).covered())
+    large = jax.jit(lambda x, y, radius: Disc(100, 120, x, y, radius).coverage())
     double, single = (large(*(dtype(value) for value in (0.25, 0.125, 45.5))) for dtype in (jnp.float64, jnp.float32))
     assert single.dtype == jnp.float32
     assert np.max(np.abs(single - double)) < 1e-3
@@ -71,8 +71,8 @@ def test_single_precision_is_good_to_a_thousandth_of_a_pixel():
 
 def test_single_precision_is_finer_still_inside_of_the_disc():
     x, y, radius = (jnp.float32(value) for value in (0.31, -0.77, 41.3))
-    area = np.asarray(jax.jit(lambda *place: Disc(100, 120, *place).covered())(x, y, radius))
-    corners = np.hypot(coverage.column_edges(120)[None, :] - 0.31, coverage.row_edges(100)[:, None] + 0.77)
+    area = np.asarray(jax.jit(lambda *place: Disc(100, 120, *place).coverage())(x, y, radius))
+    corners = np.hypot(shapes.column_edges(120)[None, :] - 0.31, shapes.row_edges(100)[:, None] + 0.77)
     corners = np.stack([corners[i : 100 + i, j : 120 + j] for i in (0, 1) for j in (0, 1)])
     assert np.max(np.abs(area[corners.max(0) < 41.3 - 1e-4] - 1)) < 2e-5
 
@@ -105,13 +105,13 @@ def test_stripes_are_the_mean_of_fine_ones():
     edges, low, high, count = np.arange(13.0), 1.3, 10.65, 4
     fine = (np.arange(12 * 2000) + 0.5) / 2000
     sign = np.where(np.floor((fine - low) / (high - low) * count) % 2 == 0, 1.0, -1.0) * ((fine > low) & (fine < high))
-    stripes = coverage.stripes(jnp.asarray(edges), jnp.asarray(low), jnp.asarray(high), count)
+    stripes = shapes.stripes(jnp.asarray(edges), jnp.asarray(low), jnp.asarray(high), count)
     assert np.max(np.abs(stripes - sign.reshape(12, -1).mean(1))) < 1e-3
 
 
 def test_stripes_of_no_width_are_nothing_and_have_finite_slopes():
     def stripes(low, high):
-        return coverage.stripes(jnp.arange(5.0), low, high, 4)
+        return shapes.stripes(jnp.arange(5.0), low, high, 4)
 
     point = jnp.asarray(2.0)
     assert np.all(stripes(point, point) == 0)
