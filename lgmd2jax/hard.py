@@ -56,7 +56,6 @@ MECHANISMS = {
     "membrane": {"tau_cell": "[0, inf)"},
 }
 EYE = ("rows", "cols", "degrees_per_pixel", "fps", "projection")
-STEP_FRAMES = 15  # within which a delayed flow has risen to its peak after a step
 TEST_VECTOR = ("fps", "tolerance", "frames", "response")
 
 
@@ -183,20 +182,9 @@ class HardLGMD2:
         s = v["theta1"] * s_on + v["theta2"] * s_off + v["theta3"] * s_on * s_off
         if "size" not in self.mechanisms:
             return s, float(np.abs(p).mean())
-        changed = self._d_on + self._d_off > self._step_peak(a) * v["T_p"]
+        changed = self._d_on + self._d_off > a * v["T_p"]
         self._held = np.where(changed, 1.0, math.exp(-interval / v["tau_hold"]) * self._held)
         return s, float(self._held.mean())
-
-    def _step_peak(self, a):
-        """What D reaches in a pixel after a step of luminance by 1: a, or more where the flow outlasts a frame."""
-        p, flow, d = [1.0], 1.0, a
-        peak = d
-        for _ in range(STEP_FRAMES):
-            p = [sum(share * past for share, past in zip(self._persistence, p)), *p[: self.n_p]]
-            flow = p[0] + self.parameters["sigma1"] * flow
-            d += a * (flow - d)
-            peak = max(peak, d)
-        return peak
 
     def _potential(self, s):
         """Eqs 9-11: MP. The mean of eq. 10 keeps the sum."""
