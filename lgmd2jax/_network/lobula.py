@@ -137,12 +137,11 @@ def shunted(drive: Scalar, ffi: Scalar, threshold: Scalar, m: Scalar, gamma: Sca
 
 def _shifted(channel: Float[Array, " time"], frames: Scalar) -> Float[Array, " time"]:
     """The channel so many frames late, linear between them, 0 before the first one."""
-    place = jnp.arange(len(channel)) - frames
-    before = jnp.floor(place)
-    weight, index = place - before, before.astype(int)
-    early, next_one = (jnp.take(channel, jnp.clip(index + i, 0, len(channel) - 1)) for i in (0, 1))
-    between = jnp.where(weight > 0, early + weight * (next_one - early), early)  # NaN stays where it is
-    return jnp.where(place < 0, 0, between)
+    whole = jnp.floor(frames)
+    rest, index = frames - whole, jnp.arange(len(channel)) - whole.astype(int)
+    newer, older = (jnp.where(place >= 0, channel[jnp.maximum(place, 0)], 0) for place in (index, index - 1))
+    between = jnp.where(rest > 0, newer + rest * (older - newer), newer)  # NaN stays where it is
+    return jnp.where(index - (rest > 0) < 0, 0, between)
 
 
 def _remembered(past: Past, sums: Sums, interval: Scalar) -> Past:
