@@ -1,0 +1,77 @@
+"""Hand-over files with anything in them: taken, or refused in a sentence, and never otherwise."""
+
+import copy
+import json
+from typing import Any
+
+import hypothesis
+import hypothesis.strategies as st
+import pytest
+
+import lgmd2jax as lgmd
+from lgmd2jax import hard
+from tests.handover.test_model_file import LGMD1, RICH
+
+EXTREME = [10**400, -(10**30), 1e308, -1e308, 5e-324, float("nan"), float("inf"), 2**63, 0, -1, 256, True, None]
+LEAVES = st.one_of(st.sampled_from(EXTREME), st.integers(), st.floats(), st.text(max_size=5))
+ANYTHING = st.recursive(
+    LEAVES,
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner, max_size=3),
+    max_leaves=5,
+)
+
+
+@pytest.fixture(scope="module")
+def documents(tmp_path_factory) -> list[Any]:
+    """Of a model with all mechanisms, and of another network."""
+    folder = tmp_path_factory.mktemp("documents")
+    for name, model in (("rich", RICH), ("lgmd1", LGMD1)):
+        lgmd.save(model, folder / f"{name}.json")
+    return [json.loads((folder / f"{name}.json").read_text()) for name in ("rich", "lgmd1")]
+
+
+def mutated(data: st.DataObject, document: Any) -> Any:
+    """The document with one value, at any depth, replaced, dropped, named otherwise or put elsewhere."""
+    document = copy.deepcopy(document)
+    place = document
+    while True:
+        keys = list(place) if isinstance(place, dict) else list(range(len(place)))
+        key = data.draw(st.sampled_from(keys))
+        inner = place[key]
+        if not (isinstance(inner, (dict, list)) and inner) or data.draw(st.integers(0, 3)) == 0:
+            break
+        place = inner
+    change = data.draw(st.sampled_from(["replace", "replace", "drop", "rename", "nest"]))
+    if change == "replace":
+        place[key] = data.draw(ANYTHING)
+    elif change == "nest":
+        place[key] = [inner, inner]
+    else:
+        place.pop(key)
+        if change == "rename" and isinstance(place, dict):
+            place[data.draw(st.text(max_size=5) | st.sampled_from(["N_sp", "T_p", "lag", "eye", "network"]))] = inner
+    return document
+
+
+@pytest.mark.usefixtures("untyped")
+@pytest.mark.parametrize(
+    ("load", "number"), [(hard.load, 0), (lgmd.load, 0), (lgmd.load, 1)], ids=["robot", "LGMD2", "LGMD1"]
+)
+def test_a_mutated_file_is_taken_or_refused_in_a_sentence(documents, tmp_path, load, number):
+    path = tmp_path / "model.json"
+    outcomes = set()
+
+    @hypothesis.settings(max_examples=150, deadline=None, derandomize=True, database=None)
+    @hypothesis.given(st.data())
+    def attempt(data):
+        path.write_text(json.dumps(mutated(data, documents[number])))
+        try:
+            load(path)
+            outcomes.add("taken")
+        except (ValueError, OSError) as error:
+            assert str(path) in str(error)
+            assert "\n" not in str(error)
+            outcomes.add("refused")
+
+    attempt()
+    assert outcomes == {"taken", "refused"}
