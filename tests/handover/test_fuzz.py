@@ -10,7 +10,6 @@ import pytest
 
 import lgmd2jax as lgmd
 from lgmd2jax import hard
-from tests.handover.test_model_file import LGMD1, RICH
 
 EXTREME = [10**400, -(10**30), 1e308, -1e308, 5e-324, float("nan"), float("inf"), 2**63, 0, -1, 256, True, None]
 LEAVES = st.one_of(st.sampled_from(EXTREME), st.integers(), st.floats(), st.text(max_size=5))
@@ -19,15 +18,6 @@ ANYTHING = st.recursive(
     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner, max_size=3),
     max_leaves=5,
 )
-
-
-@pytest.fixture(scope="module")
-def documents(tmp_path_factory) -> list[Any]:
-    """Of a model with all mechanisms, and of another network."""
-    folder = tmp_path_factory.mktemp("documents")
-    for name, model in (("rich", RICH), ("lgmd1", LGMD1)):
-        lgmd.save(model, folder / f"{name}.json")
-    return [json.loads((folder / f"{name}.json").read_text()) for name in ("rich", "lgmd1")]
 
 
 def mutated(data: st.DataObject, document: Any) -> Any:
@@ -55,23 +45,23 @@ def mutated(data: st.DataObject, document: Any) -> Any:
 
 @pytest.mark.usefixtures("untyped")
 @pytest.mark.parametrize(
-    ("load", "number"), [(hard.load, 0), (lgmd.load, 0), (lgmd.load, 1)], ids=["robot", "LGMD2", "LGMD1"]
+    ("load", "name"), [(hard.load, "rich"), (lgmd.load, "rich"), (lgmd.load, "lgmd1")], ids=["robot", "LGMD2", "LGMD1"]
 )
-def test_a_mutated_file_is_taken_or_refused_in_a_sentence(documents, tmp_path, load, number):
-    path = tmp_path / "model.json"
-    outcomes = set()
+def test_a_mutated_file_is_taken_or_refused_in_a_sentence(others, tmp_path, load, name):
+    document, path = json.loads((others / f"{name}.json").read_text()), tmp_path / "model.json"
+    said = set()
 
     @hypothesis.settings(max_examples=150, deadline=None, derandomize=True, database=None)
     @hypothesis.given(st.data())
     def attempt(data):
-        path.write_text(json.dumps(mutated(data, documents[number])))
+        path.write_text(json.dumps(mutated(data, document)))
         try:
             load(path)
-            outcomes.add("taken")
+            said.add("")
         except (ValueError, OSError) as error:
-            assert str(path) in str(error)
-            assert "\n" not in str(error)
-            outcomes.add("refused")
+            said.add(str(error))
 
     attempt()
-    assert outcomes == {"taken", "refused"}
+    assert "" in said
+    assert len(said) > 30
+    assert all(str(path) in sentence and "\n" not in sentence for sentence in said - {""})

@@ -1,11 +1,8 @@
 """The hand-over file, and the NumPy model that reads it."""
 
-import ast
 import json
 import pathlib
 import shutil
-import subprocess
-import sys
 from importlib.metadata import version
 
 import jax
@@ -16,41 +13,10 @@ import pytest
 
 import lgmd2jax as lgmd
 from lgmd2jax import hard
-from tests import clips
+from tests.handover.conftest import EYE, FRAMES, LGMD1, MODEL, RICH
 
-EYE = lgmd.Eye(rows=7, cols=9, degrees_per_pixel=2.0, fps=50.0)
-MODEL = lgmd.LGMD2(lgmd.Parameters(theta1=0.4, k=10.0, N_sp=3, T_ffi=80.0), n_p=1, low_pass="exact", N_ts=3, eye=EYE)
-FRAMES = np.round(clips.loom(0, (12, 7, 9))).astype(np.uint8)
 SCHEMA = json.loads(pathlib.Path(hard.__file__).with_name("model.schema.json").read_text())
-RICH = lgmd.LGMD2(
-    lgmd.Parameters(theta1=0.4, k=2.0, T_p=30.0, A_ffi=0.2, lag=21.0, N_sp=3),
-    eye=EYE,
-    mechanisms=("size", "shunt", "lag", "membrane"),
-)
-LGMD1 = lgmd.YueRindLGMD1(lgmd.YueRindParameters(T_de=6.0, k=2.0, alpha_ffi=0.3), N_sp=3, eye=EYE)
 VERSION_1 = pathlib.Path(__file__).parents[1] / "golden" / "model_v1.json"
-
-
-@pytest.fixture(scope="session")
-def original(tmp_path_factory):
-    path = tmp_path_factory.mktemp("original") / "model.json"
-    lgmd.save(MODEL, path)
-    return path
-
-
-@pytest.fixture(scope="session")
-def others(tmp_path_factory):
-    """The files of a model with all mechanisms, and of the other network."""
-    folder = tmp_path_factory.mktemp("others")
-    lgmd.save(RICH, folder / "rich.json")
-    lgmd.save(LGMD1, folder / "lgmd1.json")
-    return folder
-
-
-@pytest.fixture
-def path(original, tmp_path):
-    shutil.copy(original, tmp_path / "model.json")
-    return tmp_path / "model.json"
 
 
 def changed(path, change):
@@ -184,59 +150,6 @@ def test_a_calibration_may_stand_in_it(path):
     jsonschema.validate(json.loads(path.read_text()), SCHEMA)
     assert lgmd.load(path).eye == EYE
     assert hard.load(path).fps == 50
-
-
-def test_numpy_model_streams_what_it_computes_for_a_clip(path):
-    model = hard.load(path)
-    clip = model(FRAMES)
-    assert clip.spikes.dtype.kind == "i"
-    assert clip.collision.dtype == bool
-    assert clip.spikes.sum() > 0
-    model.reset()
-    for t, frame in enumerate(FRAMES):
-        now = model.step(frame, interval=20.0)
-        assert (now.mp, now.ffi, now.smp_adapted, now.spikes) == (
-            clip.mp[t], clip.ffi[t], clip.smp_adapted[t], clip.spikes[t],
-        )  # fmt: skip
-    expected = MODEL(FRAMES)
-    np.testing.assert_allclose(clip.smp_adapted, expected.smp_adapted, rtol=1e-12)
-    np.testing.assert_array_equal(clip.spikes, expected.spikes)
-    np.testing.assert_array_equal(clip.collision, expected.collision)
-
-
-def test_numpy_model_is_one_file_with_numpy_alone(path, tmp_path):
-    source = pathlib.Path(hard.__file__)
-    nodes = list(ast.walk(ast.parse(source.read_text())))
-    names = [alias.name for node in nodes if isinstance(node, ast.Import) for alias in node.names]
-    names += [str(node.module) for node in nodes if isinstance(node, ast.ImportFrom)]
-    imports = {name.split(".")[0] for name in names}
-    assert imports - set(sys.stdlib_module_names) == {"numpy"}
-    robot = tmp_path / "robot"
-    robot.mkdir()
-    shutil.copy(source, robot)
-    shutil.copy(path, robot)
-    np.save(robot / "frames.npy", FRAMES)
-    program = (
-        "import sys, numpy, hard; response = hard.load('model.json')(numpy.load('frames.npy'));"
-        "assert not {'jax', 'lgmd2jax', 'equinox'} & set(sys.modules); print(response.mp.tolist())"
-    )
-    out = subprocess.run([sys.executable, "-c", program], cwd=robot, capture_output=True, text=True, check=True).stdout
-    np.testing.assert_allclose(json.loads(out), MODEL(FRAMES).mp, rtol=1e-12)
-
-
-def test_numpy_model_keeps_its_state_when_a_frame_is_refused(path):
-    model, twin = hard.load(path), hard.load(path)
-    for t, frame in enumerate(FRAMES):
-        if t == 5:
-            for bad in (frame[:3], frame * np.nan, frame[0]):
-                with pytest.raises(ValueError, match="frame"):
-                    model.step(bad)
-        assert model.step(frame) == twin.step(frame)
-
-
-def test_numpy_model_at_another_rate_warns(path):
-    with pytest.warns(UserWarning, match="belong to 50 frames per second, not 30"):
-        hard.load(path)(FRAMES, 30.0)
 
 
 @pytest.mark.parametrize(
