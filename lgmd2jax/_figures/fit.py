@@ -2,25 +2,20 @@
 
 import os
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
+from lgmd2jax._channels import TARGETS, Channel
 from lgmd2jax._figures.response import BLACK, BLUE, GREY, VERMILION, drawn
 from lgmd2jax.fitting import Curve, Fit, Run
 from lgmd2jax.fitting._curve import DISAGREEMENT
 from lgmd2jax.fitting._report import status
 from lgmd2jax.fitting._uncertainty.covariance import Uncertainty
 
-# What stands at the axis, and the height of a panel in inches.
-_CHANNELS: Mapping[str, tuple[str, float]] = {
-    "rate": ("firing rate (spikes/s)", 1.9),
-    "smp_adapted": ("adapted SMP", 1.5),
-    "smp": ("SMP", 1.5),
-    "spikes": ("spikes a frame", 0.9),
-}
+_HEIGHTS = {"rate": 1.9, "smp_adapted": 1.5, "smp": 1.5, "spikes": 0.9}  # of a panel, in inches
 _COLUMNS = 5  # at most
 _PAGE, _NARROWEST, _WIDEST = 9.0, 2.3, 5.5  # inches: of a page with few panels, and of a panel
 _LETTERS = 16  # of a condition's name, on an inch
@@ -36,11 +31,11 @@ def fit_figure(path: str | os.PathLike, curves: Sequence[Curve], name: str) -> N
     All panels of a channel have the same axis, so that conditions compare. The target is drawn where it counts.
     """
     conditions = _conditions(curves)
-    channels = [channel for channel in _CHANNELS if any(channel in condition for condition in conditions)]
+    channels = [channel for channel in TARGETS if any(channel in condition for condition in conditions)]
     limits = {channel: _limits([it for it in curves if it.channel == channel]) for channel in channels}
     blocks = -(-len(conditions) // _COLUMNS)
     columns = -(-len(conditions) // blocks)
-    heights = [_CHANNELS[channel][1] for channel in channels] * blocks
+    heights = [_HEIGHTS[channel] for channel in channels] * blocks
     panel = min(max(_PAGE / columns, _NARROWEST), _WIDEST)
     with drawn(path, max(0.7 + panel * columns, 6.5), 1.1 + sum(heights) + 0.4 * len(heights)) as figure:
         figure.suptitle(_verdict(curves, name))
@@ -54,7 +49,7 @@ def fit_figure(path: str | os.PathLike, curves: Sequence[Curve], name: str) -> N
                 legend |= dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
                 first = (block, curve.channel) not in labelled
                 labelled.add((block, curve.channel))
-                axes.set_ylabel(_CHANNELS[curve.channel][0] if first else "")
+                axes.set_ylabel(_axis_label(curve.channel) if first else "")
                 axes.tick_params(labelleft=first, labelbottom=axes is panels[-1])
             title = textwrap.fill(next(iter(condition.values())).condition, int(_LETTERS * panel))
             panels[0].set_title(f"{title}\n{panels[0].get_title(loc='left')}", loc="left", fontsize=8)
@@ -66,6 +61,11 @@ def fit_figure(path: str | os.PathLike, curves: Sequence[Curve], name: str) -> N
         figure.legend(legend.values(), legend.keys(), loc="outside lower center", ncols=len(legend))
 
 
+def _axis_label(channel: Channel) -> str:
+    described = TARGETS[channel]
+    return f"{described.label} ({described.unit})" if channel == "rate" else described.label
+
+
 def _conditions(curves: Sequence[Curve]) -> list[dict[str, Curve]]:
     """The curves of each condition by channel. A channel that comes again begins a new one, for names may repeat."""
     conditions, name = [], None
@@ -73,7 +73,7 @@ def _conditions(curves: Sequence[Curve]) -> list[dict[str, Curve]]:
         if curve.condition != name or curve.channel in conditions[-1]:
             conditions.append({})
         conditions[-1][curve.channel], name = curve, curve.condition
-    return [{channel: it[channel] for channel in _CHANNELS if channel in it} for it in conditions]
+    return [{channel: curves[channel] for channel in TARGETS if channel in curves} for curves in conditions]
 
 
 def _verdict(curves: Sequence[Curve], name: str) -> str:
@@ -258,7 +258,7 @@ def _gaps(axes: Axes, curves: Sequence[Curve]) -> None:
     axes.bar_label(bars, fmt=lambda gap: f"{gap:.2g}" if gap >= 0.01 else "0", padding=2, fontsize=6, bbox=paper)
     axes.axvline(100 * DISAGREEMENT, color=BLACK, linestyle=(0, (4, 2)), linewidth=0.8, label="said to differ")
     axes.legend(loc="lower right")
-    labels = [f"{curve.condition}, {_CHANNELS[curve.channel][0].split(' (')[0]}" for curve in curves]
+    labels = [f"{curve.condition}, {TARGETS[curve.channel].label}" for curve in curves]
     axes.set_yticks(places, labels, fontsize=7 if len(curves) < 16 else 6)
     axes.set(title="gap of soft and hard", xlabel="% of the span", ylim=(max(len(curves), _BARS) + 0.6, -0.6))
     axes.set_xlim(0, 1.2 * max(gaps.max(), 100 * DISAGREEMENT))

@@ -14,9 +14,10 @@ import equinox as eqx
 import jax
 import numpy as np
 
+from lgmd2jax._channels import RESPONSE
 from lgmd2jax._compute.cluster import need
 from lgmd2jax._sweep.blocks import Plan, Region
-from lgmd2jax._sweep.responses import CHANNELS, SUMMARIES
+from lgmd2jax._sweep.responses import SUMMARIES
 
 if TYPE_CHECKING:
     import xarray
@@ -143,7 +144,7 @@ def _dimensions(plan: Plan, name: str) -> list[str]:
 
 
 def _meaning(name: str) -> dict[str, str]:
-    unit, meaning = (CHANNELS | SUMMARIES)[name]
+    unit, meaning = SUMMARIES[name] if name in SUMMARIES else RESPONSE[name][:2]
     return {"units": unit, "long_name": meaning}
 
 

@@ -6,8 +6,9 @@ import os
 
 import numpy as np
 
+from lgmd2jax._channels import Channel
 from lgmd2jax._targets.spike_trains import SpikeTrains
-from lgmd2jax._targets.target import Channel, Target
+from lgmd2jax._targets.target import Target
 from lgmd2jax._words import nearest
 
 

@@ -6,8 +6,9 @@ import math
 import numpy as np
 from jaxtyping import Float
 
+from lgmd2jax._channels import Channel
 from lgmd2jax._targets.rest import resting
-from lgmd2jax._targets.target import Channel, Target
+from lgmd2jax._targets.target import Target
 from lgmd2jax.stimuli import Stimulus
 
 _REFERENCE_MS = 40.0  # l/|v| at which the peak is `peak`

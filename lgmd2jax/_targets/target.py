@@ -1,17 +1,15 @@
 """The curve that a response is compared with, and what a difference from it weighs."""
 
 import dataclasses
-from typing import Any, Literal, Protocol, get_args, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
 import equinox as eqx
 import numpy as np
 from jaxtyping import Float
 
+from lgmd2jax._channels import TARGETS, Channel
 from lgmd2jax._words import nearest
 from lgmd2jax.stimuli import Stimulus
-
-Channel = Literal["smp", "smp_adapted", "spikes", "rate"]
-CHANNELS = get_args(Channel)
 
 _OFF_FRAME = 0.01  # of a frame, by which times may miss the frames: what rounding in a CSV file does
 
@@ -152,8 +150,8 @@ class Target(eqx.Module):
 
 def check_channel(channel: str) -> None:
     """Raise `ValueError` for a channel that a response does not have."""
-    if channel not in CHANNELS:
-        raise ValueError(f"channel is {channel!r}; choose {nearest(channel, CHANNELS)}")
+    if channel not in TARGETS:
+        raise ValueError(f"channel is {channel!r}; choose {nearest(channel, TARGETS)}")
 
 
 def check_correlation(correlation_ms: float | int) -> None:

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lgmd2jax._channels import TARGETS
 from lgmd2jax._network.parameters import symbols
 from lgmd2jax._reports.digits import measured, plain, rounded
 from lgmd2jax._reports.section import Section, as_html, as_text
 from lgmd2jax._targets.observation import observation_symbols
-from lgmd2jax._targets.target import Channel
 from lgmd2jax.fitting._curve import DISAGREEMENT
 from lgmd2jax.fitting._descent import ENDED
 from lgmd2jax.fitting._free import Freedom
@@ -22,7 +22,6 @@ from lgmd2jax.fitting._uncertainty.profile import Profile
 if TYPE_CHECKING:
     from lgmd2jax.fitting._result import Fit
 
-UNITS: Mapping[Channel, str] = {"rate": "spikes/s", "spikes": "spikes/frame", "smp": "1", "smp_adapted": "1"}
 _CORRELATED, _MOST = 0.5, 10  # correlations from which, and how many, are told
 
 
@@ -172,7 +171,7 @@ def _curves(fit: "Fit") -> Section:
             curve.channel,
             *(_share(curve.r2(kind)) for kind in ("soft", "hard")),
             *(f"{curve.rmse(kind):.3g}" for kind in ("soft", "hard")),
-            _unit(UNITS[curve.channel]),
+            _unit(TARGETS[curve.channel].unit),
             f"{curve.gap:.1%}",
         )
         for curve in fit.curves

@@ -8,7 +8,7 @@ import optimistix as optx
 import pytest
 
 import lgmd2jax as lgmd
-from lgmd2jax._targets.target import Channel
+from lgmd2jax._channels import Channel
 from lgmd2jax.fitting import _descent, _problem
 
 EYE = lgmd.Eye(rows=12, cols=16, degrees_per_pixel=8.0, fps=60.0)

@@ -4,7 +4,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from lgmd2jax._targets.target import CHANNELS, AnyTarget, Target
+from lgmd2jax._targets.target import AnyTarget, Target
 from lgmd2jax._targets.weighted import Weighted
 from lgmd2jax.stimuli import Stimulus
 
@@ -193,7 +193,3 @@ def test_a_window_without_frames_is_refused(window, message):
 def test_a_weighting_that_cannot_be_is_refused(change, message):
     with pytest.raises(ValueError, match=message):
         Weighted(Target("smp", CURVE), **change)
-
-
-def test_channels_are_those_of_a_response():
-    assert CHANNELS == ("smp", "smp_adapted", "spikes", "rate")
