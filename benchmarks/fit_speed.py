@@ -15,7 +15,7 @@ import jax
 
 from lgmd2jax._compute import xla as _xla
 from lgmd2jax._network.pixels import scan_pixels
-from lgmd2jax._recipes.fit import load_recipe
+from lgmd2jax._recipes.load import load_recipe
 from lgmd2jax.fitting import _problem
 
 RULES = {"exact": _problem.potentials, "plain": partial(scan_pixels, record=None)}

@@ -35,7 +35,9 @@ from lgmd2jax._network.yue_rind import (
     YueRindParameters as YueRindParameters,
 )
 from lgmd2jax._protocol.protocol import Condition as Condition, Protocol as Protocol, load_protocol as load_protocol
-from lgmd2jax._recipes.fit import Recipe as Recipe, load_recipe as load_recipe
+from lgmd2jax._recipes.fit import Recipe as Recipe
+from lgmd2jax._recipes.load import load_recipe as load_recipe
+from lgmd2jax._recipes.sweep import SweepRecipe as SweepRecipe
 from lgmd2jax._results.fit_folder import load_fit as load_fit, save_fit as save_fit
 from lgmd2jax._sweep import surfaces as surfaces, sweep as sweep
 from lgmd2jax._targets.csv_files import read_spike_trains as read_spike_trains, read_target as read_target

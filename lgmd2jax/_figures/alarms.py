@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from lgmd2jax._figures.response import BLACK, BLUE, GREEN, GREY, VERMILION, drawn
+from lgmd2jax._figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, drawn
 from lgmd2jax._signals import stretches
 from lgmd2jax.alarms import Footage, Verdict, Watch
 from lgmd2jax.alarms._report import headline

@@ -10,7 +10,7 @@ from matplotlib.gridspec import SubplotSpec
 
 from lgmd2jax._characterise import Characterisation
 from lgmd2jax._characterise.panels import OVER
-from lgmd2jax._figures.response import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, drawn
+from lgmd2jax._figures.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, drawn
 
 _COLOURS, _MARKS = (BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, BLACK), "os^Dv<>"
 _TIMES = "peak time before collision (ms)"

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from lgmd2jax._channels import TARGETS, Channel
-from lgmd2jax._figures.response import BLACK, BLUE, GREY, VERMILION, drawn
+from lgmd2jax._figures.style import BLACK, BLUE, GREY, VERMILION, drawn
 from lgmd2jax.fitting import Curve, Fit, Run
 from lgmd2jax.fitting._curve import DISAGREEMENT
 from lgmd2jax.fitting._report import status

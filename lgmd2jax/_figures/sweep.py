@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FormatStrFormatter, LogLocator, MaxNLocator, NullFormatter
 
-from lgmd2jax._figures.response import BLACK, BLUE, VERMILION, drawn
+from lgmd2jax._figures.style import BLACK, BLUE, VERMILION, drawn
 
 _LEVELS = 6  # contours at most
 

@@ -96,7 +96,7 @@ def load_footage(source: str | Path) -> FootageFile:
 
     **Raises:** `ValueError`, which names file, clip and key, for what is no such file; `FileNotFoundError`.
     """
-    return read_named(source, "stimuli", _footage_file)
+    return read_named(source, "stimuli", footage_file)
 
 
 def rendered(eye: Eye, wanted: Rendered | None) -> Iterator[Footage]:
@@ -122,7 +122,11 @@ def labelled(name: str, encounter: Encounter, how: Rendered) -> Footage:
     return footage(name, frames, encounter.stimulus.fps, windows=windows, silent=silent, contact=contact)
 
 
-def _footage_file(path: Path, table: dict[str, Any]) -> FootageFile:
+def footage_file(path: Path, table: dict[str, Any]) -> FootageFile:
+    """What a TOML file of labelled clips holds.
+
+    **Raises:** `ValueError`, which names clip and key, for what is no such file.
+    """
     check_keys(table, ("eye", "clip", "rendered"))
     folder = path.parent.resolve()
     eye, clips = eye_of(section(table, "eye"), folder), table.get("clip", [])

@@ -65,7 +65,7 @@ def add(commands) -> None:
 def run(options: argparse.Namespace) -> None:
     """Examine the models, write what was asked for, and print the table."""
     from lgmd2jax._figures.characterise import characterisation_figure
-    from lgmd2jax._figures.response import check_figure_path
+    from lgmd2jax._figures.style import check_figure_path
 
     if len(options.models) > 1 and (options.ablate or options.raster):
         option = "--ablate" if options.ablate else "--raster"

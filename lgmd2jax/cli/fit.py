@@ -6,11 +6,11 @@ from pathlib import Path
 
 import jax
 
-from lgmd2jax._files.atomic import read_toml
-from lgmd2jax._files.catalogue import locate
 from lgmd2jax._files.folder import check_folder
-from lgmd2jax._recipes.fit import Recipe, load_recipe
+from lgmd2jax._recipes.fit import Recipe
+from lgmd2jax._recipes.load import load_recipe
 from lgmd2jax._results.fit_folder import MARKER, save_fit
+from lgmd2jax.alarms import AlarmRecipe
 from lgmd2jax.cli import fit_alarms as _command_fit_alarms
 from lgmd2jax.cli.recipe_option import add_recipe, folder_of, made_now, starts_of
 from lgmd2jax.fitting import Fit
@@ -59,19 +59,20 @@ def add(commands) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Make the fit of this kind of recipe."""
-    kind = read_toml(locate(options.recipe, "fits")).get("kind")
-    if kind == _command_fit_alarms.KIND:
-        _command_fit_alarms.run(options)
-        return
-    if options.clips is not None:
-        raise ValueError(f"--clips is for a recipe of kind 'alarms'; that of {options.recipe} is {kind or 'fit'!r}")
-    _fit_curves(options)
-
-
-def _fit_curves(options: argparse.Namespace) -> None:
-    """Make the fit, write its folder, and print the report."""
     began = time.monotonic()
     recipe = load_recipe(options.recipe)
+    if isinstance(recipe, AlarmRecipe):
+        _command_fit_alarms.run(options, recipe, began)
+        return
+    if not isinstance(recipe, Recipe):
+        raise ValueError(f"{options.recipe} is the recipe of a sweep; run lgmd2jax sweep {options.recipe}")
+    if options.clips is not None:
+        raise ValueError(f"--clips is for a recipe of kind 'alarms'; that of {options.recipe} is 'fit'")
+    _fit_curves(options, recipe, began)
+
+
+def _fit_curves(options: argparse.Namespace, recipe: Recipe, began: float) -> None:
+    """Make the fit, write its folder, and print the report."""
     folder = folder_of(options, recipe.name)
     check_folder(folder, MARKER)
     digest = recipe.digest()

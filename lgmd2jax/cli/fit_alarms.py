@@ -14,8 +14,7 @@ from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._network.parameters import preset
 from lgmd2jax._results.alarm_folder import save_alarm_fit
 from lgmd2jax._results.fit_folder import MARKER
-from lgmd2jax.alarms import AlarmRecipe, Footage, load_footage, load_recipe, watch
-from lgmd2jax.alarms._recipe import KIND as KIND
+from lgmd2jax.alarms import AlarmRecipe, Footage, load_footage, watch
 from lgmd2jax.alarms._report import Held
 from lgmd2jax.cli.recipe_option import folder_of, made_now, starts_of
 from lgmd2jax.fitting._descent import STOPPED
@@ -23,10 +22,8 @@ from lgmd2jax.fitting._descent import STOPPED
 _ROBOT_T_SP = 0.65  # Table I's range is .65 on the robot to .78 off line
 
 
-def run(options: argparse.Namespace) -> None:
+def run(options: argparse.Namespace, recipe: AlarmRecipe, began: float) -> None:
     """Make the fit, write its folder, and print the report."""
-    began = time.monotonic()
-    recipe = load_recipe(options.recipe)
     folder = folder_of(options, recipe.name)
     check_folder(folder, MARKER)
     clips = recipe.file.load(_bar)

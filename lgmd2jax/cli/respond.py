@@ -66,7 +66,8 @@ def add(commands) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Run the model over the clip, write what was asked for, and say what was done."""
-    from lgmd2jax._figures.response import check_figure_path, response_figure
+    from lgmd2jax._figures.response import response_figure
+    from lgmd2jax._figures.style import check_figure_path
 
     place = options.clip.resolve()
     name = place.stem if place.is_file() else place.name

@@ -13,10 +13,9 @@ from lgmd2jax._compute.tasks import Memory, Stop, Work
 from lgmd2jax._network.abstract import Network
 from lgmd2jax._network.thresholds import Soft, StraightThrough
 from lgmd2jax._targets.observation import Observation, observation_symbols
-from lgmd2jax._targets.target import Target
 from lgmd2jax._words import nearest
 from lgmd2jax.fitting import _descent
-from lgmd2jax.fitting._conditions import Given, rendered
+from lgmd2jax.fitting._conditions import Given, Rendered, rendered
 from lgmd2jax.fitting._descent import ENDED, STOPPED, Run, Solver
 from lgmd2jax.fitting._free import Free
 from lgmd2jax.fitting._outcome import outcome
@@ -25,7 +24,6 @@ from lgmd2jax.fitting._result import Fit
 from lgmd2jax.fitting._robust import LOSSES, Loss
 from lgmd2jax.fitting._search import search_cell, sobol, starting_points, words_of
 from lgmd2jax.fitting._solver.levenberg_marquardt import BoundedLevenbergMarquardt
-from lgmd2jax.stimuli import Stimulus
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -188,7 +186,7 @@ def check_counts(counts: dict[str, int], at_least: int) -> None:
             raise ValueError(f"{name} is {count!r}; give a whole number, {at_least} or more")
 
 
-def _check(pairs: list[tuple[Stimulus, list[Target]]], free: Free, loss: str, counts: dict[str, int]) -> None:
+def _check(pairs: Sequence[Rendered], free: Free, loss: str, counts: dict[str, int]) -> None:
     if loss not in LOSSES:
         raise ValueError(f"loss is {loss!r}; choose {nearest(loss, LOSSES)}")
     check_counts(counts, at_least=1)

@@ -6,8 +6,8 @@ import pytest
 import xarray
 
 import lgmd2jax as lgmd
-from lgmd2jax._recipes.sweep import load_sweep_recipe
-from lgmd2jax.cli import main, sweep as _command_sweep
+from lgmd2jax._recipes.load import load_recipe
+from lgmd2jax.cli import main
 
 RECIPE = """
 kind = "sweep"
@@ -59,7 +59,7 @@ def test_ctrl_c_says_how_to_go_on(recipe, capsys, monkeypatch):
     def stopped(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(_command_sweep, "sweep", stopped)
+    monkeypatch.setattr("lgmd2jax._recipes.sweep.sweep", stopped)
     with pytest.raises(SystemExit, match="130"):
         main(["sweep", str(recipe)])
     assert "keeps what is finished: run again" in capsys.readouterr().out
@@ -67,20 +67,20 @@ def test_ctrl_c_says_how_to_go_on(recipe, capsys, monkeypatch):
 
 @pytest.mark.parametrize("name", ["contrast_speed", "gratings", "parameters"])
 def test_shipped_recipes_load(name):
-    assert load_sweep_recipe(name).value in ("peak", "integral")
+    assert load_recipe(name).value in ("peak", "integral")
 
 
 def test_the_thresholds_drawn_are_those_of_the_network(recipe):
     surface = RECIPE.replace("[parameters]\ntheta1 = [0, 1, 2]\n", "").replace('index = "contrast"', "")
     for name, levels in (("lgmd2", {"1 spike": 0.78, "2 spikes": 0.88}), ("yue_rind", {"1 spike": 0.86})):
         recipe.write_text(f'model = "preset:{name}"\n{surface}')
-        assert load_sweep_recipe(recipe).thresholds() == pytest.approx(levels)
+        assert load_recipe(recipe).thresholds() == pytest.approx(levels)
 
 
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ('"sweep"', '"fit"', "kind is 'fit'; a recipe of this command has kind 'sweep'"),
+        ('"sweep"', '"sweeps"', "kind is 'sweeps'; choose 'sweep'"),
         ('"looming"', '"loming"', "family is 'loming'; choose 'looming'"),
         ("contrast = [", "contrst = [", "unknown key 'contrst'; did you mean 'contrast'?"),
         ("theta1", "theta9", "parameters has 'theta9'"),

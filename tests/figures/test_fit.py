@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from lgmd2jax._figures import fit as _figures_fit
 from lgmd2jax._figures.fit import diagnostics_figure, fit_figure
-from lgmd2jax._figures.response import BLACK, BLUE, VERMILION
+from lgmd2jax._figures.style import BLACK, BLUE, VERMILION
 from lgmd2jax.fitting import Free
 from tests.fitting.fits import curve, made, run
 
