@@ -25,7 +25,7 @@ def doubt(times: Float[np.ndarray, " n"], start: float, end: float, closest_ms: 
     if inside >= _SPARSE:
         return ""
     for factor, unit in _UNITS.items():
-        if share_inside(factor * times, start, end) > 0.5:
+        if factor * span > _BURST * window and share_inside(factor * times, start, end) > 0.5:
             return f"{where}: they look like {unit}; give them in ms"
     return f"{where}: they look like those of another clock; subtract the time of the event (collision or onset)"
 

@@ -50,7 +50,8 @@ class Target(eqx.Module):
     - `values`: in the unit of the channel.
     - `time`: of the values, in ms; None where they stand at the frames of the stimulus.
     - `sem`: standard error of the values where it was recorded. It is drawn, and is the error where none is given; one
-      below a tenth of their r.m.s., 0 for example, is an accident of few recordings and counts as that.
+      below a tenth of their r.m.s., 0 for example, is an accident of few recordings and counts as that, unless there is
+      a `sem_rule`.
     - `error`: standard error by which a difference is divided, one number or one for each value.
     - `weight`: factor of the squared difference, one number or one for each value; 0 for what does not count.
     - `correlation_ms`: the span that makes one independent sample: 2 sqrt(pi) s behind a Gaussian of s.d. s.
@@ -165,9 +166,9 @@ class Target(eqx.Module):
 
     @property
     def _sem_in_use(self) -> np.ndarray | None:
-        """The recorded standard errors, none of them a small part of the others."""
-        if self.sem is None:
-            return None
+        """The standard errors, of plainly recorded ones none a small part of the others."""
+        if self.sem is None or self.sem_rule:
+            return self.sem
         counted = np.broadcast_to(self.weight > 0, self.sem.shape)
         usual = np.sqrt(np.mean(np.square(self.sem[counted]))) if counted.any() else 0.0
         return np.maximum(self.sem, _LEAST_SEM * usual)

@@ -126,7 +126,7 @@ def _plain(values: Any, unit: Unit) -> np.ndarray:
         raise ValueError(f"these are {_KINDS[array.dtype.kind]}")
     try:
         if isinstance(values, np.ma.MaskedArray):
-            return values.astype(float).filled(np.nan)
+            return np.ma.filled(values.astype(float), np.nan)
         return array.astype(float)
     except (TypeError, ValueError):
         raise _NoNumbersError from None

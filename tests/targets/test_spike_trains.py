@@ -3,6 +3,7 @@
 import math
 import time
 import tracemalloc
+from typing import Any
 
 import jax.numpy as jnp
 import neo
@@ -60,6 +61,7 @@ def test_it_is_the_mean_over_animals_of_means_over_trials_by_a_plain_loop():
     np.testing.assert_allclose(target.values, means, rtol=1e-6)
     dispersion = max(1, sum(between) / sum(poissons))
     expected = [max((2 * b + 4 * dispersion * p) / 6, p) for b, p in zip(between, poissons, strict=True)]
+    assert target.sem is not None
     np.testing.assert_allclose(target.sem, np.sqrt(expected), rtol=1e-6)
 
 
@@ -108,6 +110,7 @@ def test_with_many_animals_it_is_the_plain_error():
     target = spike_rate(trials, TIME, 20.0)
     rates = np.stack([spike_rate([animal], TIME, 20.0).values for animal in trials])
     strong = target.values > 40
+    assert target.sem is not None
     np.testing.assert_allclose(target.sem[strong], (rates.std(axis=0, ddof=1) / 20)[strong], rtol=0.02)
     assert "s.e.m. over 400 animals" in target.sem_rule
     assert target.on(STIMULUS).rules[-1] == target.sem_rule
@@ -221,7 +224,6 @@ def test_files_that_are_none_are_refused(tmp_path, text, message):
         ([{1.0, 2.0}], 20, r"trials\[0\] is {1.0, 2.0}; give an animal's trials as a list"),
         ([[{1.0}]], 20, r"trials\[0\]\[0\] is {1.0}; give times in ms"),
         ([[[1.0] * pq.mV]], 20, r"trials\[0\]\[0\] has another unit than ms"),
-        ([[[1.0]]], 0.02, "kernel_ms is 0.02 ms and the samples are 10 ms apart, so that most spikes fall between"),
         ([[[1.0]]], 0, "kernel_ms is 0 ms; give a positive number"),
         ([[[1.0]]], np.nan, "kernel_ms is nan"),
     ],
@@ -244,7 +246,8 @@ def test_spike_times_with_a_unit_are_converted(way, untyped):
         "pandas": lambda: [[pd.Series(pd.to_timedelta(spikes, unit="ms"))]],
         "iterators": lambda: (iter([spikes]) for _ in range(1)),
     }[way]
-    trains = SpikeTrains(converted(), 0.02 * pq.s)
+    kernel: Any = 0.02 * pq.s
+    trains = SpikeTrains(converted(), kernel)
     for _ in range(2):
         np.testing.assert_allclose(
             trains.on(STIMULUS).values, spike_rate([[spikes]], TIME, 20.0).values, rtol=1e-5, atol=1e-5
@@ -254,9 +257,10 @@ def test_spike_times_with_a_unit_are_converted(way, untyped):
 @pytest.mark.parametrize(
     ("spikes", "message"),
     [
+        (SPIKES / 1000 + 30, "lie at 29.6.* ms and the stimulus at -400 to 400 ms: they look like seconds"),
         (
-            SPIKES / 1000 + 30,
-            "lie at 29.6.* ms and the stimulus at -400 to 400 ms: they look like those of another clo",
+            SPIKES / 1000 + 3000,
+            "lie at 2999.6.* ms and the stimulus at -400 to 400 ms: they look like those of another",
         ),
         (SPIKES / 1000 + 0.5, "they look like seconds; give them in ms"),
         (SPIKES * 1000, "they look like microseconds; give them in ms"),
@@ -273,6 +277,11 @@ def test_spikes_that_cannot_belong_to_the_stimulus_are_told(spikes, message):
 @pytest.mark.parametrize("spikes", [SPIKES, SPIKES[:2] / 1000, [-3.0, 0.0, 4.0], [], EDGES, [5.0, 8.0, 30.0]])
 def test_spikes_that_can_belong_to_it_pass(spikes):
     SpikeTrains([[spikes]]).on(STIMULUS)
+
+
+def test_a_kernel_in_seconds_is_refused():
+    with pytest.raises(ValueError, match=r"kernel_ms is 0.02 ms and the samples are 10 ms apart, so that most spikes"):
+        SpikeTrains([[SPIKES]], 0.02).on(STIMULUS)
 
 
 def test_the_sum_of_gaussians_is_the_plain_sum():

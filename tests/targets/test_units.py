@@ -31,6 +31,8 @@ def astropy(values, sizes):
 class Brian(np.ndarray):
     """As brian2's quantities: SI values, and a dimension."""
 
+    dim: object
+
     @classmethod
     def of(cls, values, dimension):
         array = np.asarray(values, dtype=float).view(cls)
