@@ -3,7 +3,7 @@
 import difflib
 import inspect
 import typing
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -67,10 +67,17 @@ def located(path: str, folder: Path) -> str:
 
 def _value(key: str, value: Any, annotation: Any, folder: Path) -> Any:
     allowed = typing.get_args(annotation) or (annotation,)
+    origins = {typing.get_origin(choice) for choice in (*allowed, annotation)}
+    if Mapping in origins or (Sequence in origins and isinstance(value, list)):
+        return _collection(key, value, Mapping if Mapping in origins else Sequence)
     if isinstance(value, Mapping):
         return _object(key, value, allowed, folder)
     if Any in allowed:  # the field of an object that converts and checks by itself
         return located(value, folder) if key == "image" and isinstance(value, str) else value
+    if allowed == (bool,):
+        if not isinstance(value, bool):
+            raise ValueError(f"{key} is {value!r}; give true or false")
+        return value
     text = str in allowed or any(isinstance(choice, str) for choice in allowed)
     if text and isinstance(value, str):
         return value
@@ -79,6 +86,17 @@ def _value(key: str, value: Any, annotation: Any, folder: Path) -> Any:
     if int in allowed and isinstance(value, int) and not isinstance(value, bool):
         return value
     wanted = "a text" if text else "a number" if float in allowed else "a whole number" if int in allowed else "a table"
+    raise ValueError(f"{key} is {value!r}; give {wanted}")
+
+
+def _collection(key: str, value: Any, kind: type) -> Any:
+    """A table of texts and numbers, or a list of texts."""
+    if kind is Sequence and all(isinstance(element, str) for element in value):
+        return tuple(value)
+    plain = isinstance(value, Mapping) and all(isinstance(element, (str, int, float)) for element in value.values())
+    if kind is Mapping and plain:
+        return dict(value)
+    wanted = "a list of texts" if kind is Sequence else "a table of texts and numbers"
     raise ValueError(f"{key} is {value!r}; give {wanted}")
 
 

@@ -56,7 +56,7 @@ class Target(eqx.Module):
     - `weight`: factor of the squared difference, one number or one for each value; 0 for what does not count.
     - `correlation_ms`: the span that makes one independent sample: 2 sqrt(pi) s behind a Gaussian of s.d. s.
     - `interpolate`: whether values at other times than the frames' may be interpolated onto these. There are then as
-      many samples as values: of values further apart than the frames only the frame nearest to each counts.
+      many samples as values: of those further apart than the frames each counts once, at the frame nearest to it.
     - `sem_rule`: how the standard errors arose, for the report of a fit.
 
     **Raises:** `ValueError` for an unknown channel, for arrays of unequal lengths, for what is not finite, for times
@@ -100,22 +100,12 @@ class Target(eqx.Module):
         where it covers no frame, or so little of the stimulus that its times must have another unit.
         """
         frames = np.asarray(stimulus.time, dtype=float)
-        weight = np.broadcast_to(self.weight, self.values.shape)
-        error = None if self.error is None else np.broadcast_to(self.error, self.values.shape)
-        curves = {"values": self.values, "sem": self.sem, "error": error}
         if self.time is not None and self.interpolate:
-            # Nothing is known between two values of which one does not count.
-            known = np.interp(frames, self.time, weight > 0, left=0, right=0) == 1
-            if self.weight.any():
-                self._check_clock(frames, known)
-            curves = {
-                name: None if curve is None else np.interp(frames, self.time, curve) for name, curve in curves.items()
-            }
-            counted = known & _nearest(frames, known, self.time)
-            weight = np.where(counted, np.interp(frames, self.time, weight), 0.0)
-        else:
-            self._check_grid(frames)
-        return dataclasses.replace(self, **curves, weight=weight, time=frames, interpolate=False)
+            return self._interpolated(frames, self.time)
+        self._check_grid(frames)
+        error = None if self.error is None else np.broadcast_to(self.error, self.values.shape)
+        weight = np.broadcast_to(self.weight, self.values.shape)
+        return dataclasses.replace(self, error=error, weight=weight, time=frames, interpolate=False)
 
     @property
     def has_error(self) -> bool:
@@ -172,6 +162,39 @@ class Target(eqx.Module):
         counted = np.broadcast_to(self.weight > 0, self.sem.shape)
         usual = np.sqrt(np.mean(np.square(self.sem[counted]))) if counted.any() else 0.0
         return np.maximum(self.sem, _LEAST_SEM * usual)
+
+    def _interpolated(self, frames: np.ndarray, time: np.ndarray) -> "Target":
+        weight = np.broadcast_to(self.weight, self.values.shape)
+        # Nothing is known between two values of which one does not count.
+        known = np.interp(frames, time, weight > 0, left=0, right=0) == 1
+        if weight.any():
+            self._check_clock(frames, known)
+        counted = known & _nearest(frames, known, time)
+        values = np.interp(frames, time, self.values)
+        if np.any(counted != known):
+            values[counted] = self._carried(frames[counted])
+        error = None if self.error is None else np.broadcast_to(self.error, self.values.shape)
+        return dataclasses.replace(
+            self,
+            values=values,
+            time=frames,
+            sem=None if self.sem is None else np.interp(frames, time, self.sem),
+            error=None if error is None else np.interp(frames, time, error),
+            weight=np.where(counted, np.interp(frames, time, weight), 0.0),
+            interpolate=False,
+        )
+
+    def _carried(self, frames: np.ndarray) -> np.ndarray:
+        """The values nearest to these frames, carried there along the slope through their neighbours.
+
+        Unlike a mean of two values, each is then as noisy as it was recorded, which residuals must show.
+        """
+        counted = np.broadcast_to(self.weight > 0, self.values.shape)
+        time, values = np.asarray(self.time)[counted], self.values[counted]
+        if values.size == 1:
+            return np.full(frames.shape, values[0])
+        nearest = np.rint(np.interp(frames, time, np.arange(len(time)))).astype(int)
+        return values[nearest] + (frames - time[nearest]) * np.gradient(values, time)[nearest]
 
     def _check_clock(self, frames: np.ndarray, known: np.ndarray) -> None:
         """Refuse times that cannot be those of the stimulus."""

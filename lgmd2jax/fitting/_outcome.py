@@ -1,6 +1,7 @@
 """From the best point of a search to a fit: the model, its curves, and how well it is determined."""
 
 import dataclasses
+from collections import Counter
 from collections.abc import Sequence
 from typing import Any
 
@@ -58,9 +59,14 @@ def outcome(
         screened=screened,
         errors=_errors(problem, u.variance),
         result=result,
-        stats=stats | {"data": data, "num_steps": sum(run.steps for run in runs)},
+        stats=stats | {"data": data, "num_steps": sum(run.steps for run in runs), "rules": _rules(pairs)},
         problem=problem,
     )
+
+
+def _rules(pairs: Pairs) -> dict[str, int]:
+    """How samples are counted and errors arose, where that is not plain, and of how many targets."""
+    return dict(Counter(rule for _, targets in pairs for target in targets for rule in target.rules))
 
 
 def _uncertainty(problem: Problem, z: np.ndarray, seen: Sensitivity, absolute: bool) -> Uncertainty:

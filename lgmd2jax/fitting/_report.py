@@ -161,7 +161,10 @@ def _statistics(fit: "Fit") -> Section:
         ("free parameters", f"{len(fit.free)}", "AIC", f"{u.aic:.5g}"),
         ("degrees of freedom", f"{u.degrees_of_freedom:.5g}", "BIC", f"{u.bic:.5g}"),
     )
-    return Section("Goodness of fit, of the soft model", ("count", "number|", "statistic", "value|"), rows)
+    rules = fit.stats.get("rules", {})  # results of an earlier version have none
+    curves = len(fit.curves)
+    sentences = tuple(f"{rule[0].upper()}{rule[1:]} ({count} of {curves} curves)." for rule, count in rules.items())
+    return Section("Goodness of fit, of the soft model", ("count", "number|", "statistic", "value|"), rows, sentences)
 
 
 def _curves(fit: "Fit") -> Section:

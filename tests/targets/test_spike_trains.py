@@ -186,7 +186,7 @@ def test_trains_are_read_from_a_file(tmp_path):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("animal,trial,time\nA,1,3\n", r"spikes.csv: no column 'time_ms'; choose 'time' or"),
+        ("animal,trial,when\nA,1,3\n", r"spikes.csv: no column is named like a time; name it by time = '...', one of"),
         (
             "animal,trial,time_ms\nA,1,3\nA,1,x\n",
             r"spikes.csv: column 'time_ms' holds 'x' in row 2, which is no finite",

@@ -41,18 +41,31 @@ def test_any_array_will_do(kind):
 
 
 def test_interpolation_is_linear_and_weighs_nothing_outside():
+    """Values closer than the frames: all frames that they cover count, with what lies between two values."""
+    time = np.arange(-33.0, 31.0, 7.0)
+    values, sem = np.square(time), 1 + np.abs(time)
+    on_frames = Target("rate", values, time, sem=sem, weight=4, interpolate=True).on(STIMULUS)
+    inside = (FRAMES >= -33) & (FRAMES <= 30)
+    np.testing.assert_array_equal(on_frames.weight > 0, inside)
+    # By hand: -30 lies 3 of 7 ms behind -33.
+    np.testing.assert_allclose(on_frames.values[2], (4 * 33**2 + 3 * 26**2) / 7)
+    np.testing.assert_allclose(on_frames.values[inside], np.interp(FRAMES[inside], time, values))
+    np.testing.assert_allclose(on_frames.scale[inside], 2 / np.interp(FRAMES[inside], time, sem))
+    assert np.all(on_frames.scale[~inside] == 0)
+
+
+def test_values_further_apart_than_the_frames_are_carried_to_the_nearest():
+    """Each is one sample; a parabola through its neighbours, which np.gradient takes, is met in the middle."""
     time = np.array([-33.0, -12.0, 4.0, 31.0])
-    target = Target("rate", [1.0, 5, 2, 8], time, sem=[0.1, 0.5, 0.2, 0.8], weight=[4, 4, 9, 9], interpolate=True)
+    bent = lambda t: 3 + t / 10 + np.square(t) / 50  # noqa: E731
+    target = Target("rate", bent(time), time, sem=[0.1, 0.5, 0.2, 0.8], weight=[4, 4, 9, 9], interpolate=True)
     on_frames = target.on(STIMULUS)
-    # Four values make four samples: the frames nearest to them. By hand: -30 lies 3 of 21 ms behind -33, and so on.
     np.testing.assert_array_equal(FRAMES[on_frames.weight > 0], [-30, -10, 0, 30])
-    counted = [1 + 4 * 3 / 21, 5 - 3 * 2 / 16, 5 - 3 * 12 / 16, 8 - 6 * 1 / 27]
-    np.testing.assert_allclose(on_frames.values[[2, 4, 5, 8]], counted)
-    assert on_frames.sem is not None
-    np.testing.assert_allclose(on_frames.sem, on_frames.values / 10)
-    np.testing.assert_allclose(on_frames.scale[8], 3 / on_frames.sem[8])
-    outside = (FRAMES < -33) | (FRAMES > 31)
-    assert np.all(on_frames.scale[outside] == 0)
+    # What the slope misses is the curvature over the few ms to the frame: (t - frame)^2/50.
+    np.testing.assert_allclose(on_frames.values[[4, 5]], [bent(-10) - 4 / 50, bent(0) - 16 / 50])
+    ends = [bent(-33) + 3 * (bent(-12) - bent(-33)) / 21, bent(31) - (bent(31) - bent(4)) / 27]
+    np.testing.assert_allclose(on_frames.values[[2, 8]], ends)
+    np.testing.assert_allclose(on_frames.scale[5], np.sqrt(4 + 5 * 12 / 16) / np.interp(0, time, [0.1, 0.5, 0.2, 0.8]))
 
 
 def test_nothing_is_known_beside_a_value_that_does_not_count():
