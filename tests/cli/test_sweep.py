@@ -104,6 +104,15 @@ def test_a_bad_recipe_is_one_line_and_writes_nothing(recipe, capsys, untyped, ol
     assert [path.name for path in recipe.parent.iterdir()] == ["mine.toml"]
 
 
+def test_a_sweep_that_was_killed_while_its_store_was_made_goes_on(recipe, untyped):
+    """A kill leaves a folder with a hidden half of a store, which is nothing of anybody's."""
+    half = recipe.parent / "mine" / ".sweep.0123abcd.zarr"
+    half.mkdir(parents=True)
+    (half / "zarr.json").write_text("{")
+    assert main(["sweep", str(recipe)]) == 0
+    assert {path.name for path in (recipe.parent / "mine").iterdir()} == {"sweep.zarr", "sweep.png"}
+
+
 def test_the_folder_of_another_sweep_is_refused(recipe, capsys, untyped):
     assert main(["sweep", str(recipe)]) == 0
     recipe.write_text(RECIPE.replace("background = 120", "background = 100"))

@@ -56,10 +56,11 @@ def write(tmp_path):
 )
 def test_a_curve_is_read_however_it_was_written(write, text, settings):
     read = lgmd.read_target(write(text), column="rate", sem="sem", channel="rate", **settings)
+    assert read.time is not None
     np.testing.assert_allclose(read.time, TIME, rtol=1e-12)
     np.testing.assert_allclose(read.values, TABLE.rate, rtol=1e-12)
     assert read.sem is not None
-    np.testing.assert_allclose(read.sem, 0.5, rtol=1e-12)
+    np.testing.assert_allclose(read.sem, np.full(11, 0.5), rtol=1e-12)
 
 
 @pytest.mark.parametrize(
