@@ -32,7 +32,7 @@ def fit_figure(path: str | os.PathLike, curves: Sequence[Curve], name: str) -> N
     """
     conditions = _conditions(curves)
     channels = [channel for channel in TARGETS if any(channel in condition for condition in conditions)]
-    limits = {channel: _limits([it for it in curves if it.channel == channel]) for channel in channels}
+    limits = {channel: _limits([curve for curve in curves if curve.channel == channel]) for channel in channels}
     blocks = -(-len(conditions) // _COLUMNS)
     columns = -(-len(conditions) // blocks)
     heights = [_HEIGHTS[channel] for channel in channels] * blocks
@@ -43,7 +43,7 @@ def fit_figure(path: str | os.PathLike, curves: Sequence[Curve], name: str) -> N
         legend, labelled = {}, set()
         for i, condition in enumerate(conditions):
             block, column = divmod(i, columns)
-            panels = [grid[block * len(channels) + channels.index(it), column] for it in condition]
+            panels = [grid[block * len(channels) + channels.index(channel), column] for channel in condition]
             for axes, curve in zip(panels, condition.values(), strict=True):
                 _panel(axes, curve, limits[curve.channel])
                 legend |= dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
@@ -82,15 +82,15 @@ def _verdict(curves: Sequence[Curve], name: str) -> str:
     met = f"meets {len(curves) - missed} of {len(curves)} targets" if missed else f"meets all {len(curves)} targets"
     explained = [r2 for curve in curves if not np.isnan(r2 := curve.r2())]
     low, high = (min(explained), max(explained)) if explained else (0.0, 0.0)
-    found = f", R² {low:.3f}" + (f" to {high:.3f}" if len(explained) > 1 else "") if low > 0 else ""
-    return f"Fit {name}: the hard model {met}{found}"
+    explains = f", R² {low:.3f}" + (f" to {high:.3f}" if len(explained) > 1 else "") if low > 0 else ""
+    return f"Fit {name}: the hard model {met}{explains}"
 
 
 def _limits(curves: Sequence[Curve]) -> tuple[float, float]:
     """What holds all curves of a channel. Bands may leave it: an undetermined one would flatten the rest."""
-    shown = [it for curve in curves for it in (_counted(curve), curve.soft, curve.hard)]
-    shown += [_counted(curve) + sign * curve.sem for curve in curves for sign in (-1, 1)]
-    low, high = np.nanmin(np.concatenate(shown)), np.nanmax(np.concatenate(shown))
+    drawn_values = [values for curve in curves for values in (_counted(curve), curve.soft, curve.hard)]
+    drawn_values += [_counted(curve) + sign * curve.sem for curve in curves for sign in (-1, 1)]
+    low, high = np.nanmin(np.concatenate(drawn_values)), np.nanmax(np.concatenate(drawn_values))
     margin = 0.06 * max(high - low, 0.02)
     return float(low - margin), float(high + margin)
 
@@ -109,6 +109,10 @@ def _panel(axes: Axes, curve: Curve, limits: tuple[float, float]) -> None:
         low, high = curve.soft - band, curve.soft + band
         axes.fill_between(curve.time, low, high, color=BLUE, alpha=0.2, linewidth=0, label="soft, 95 % band")
     drawstyle = "steps-mid" if curve.channel == "spikes" else "default"
+    counted = np.pad(np.isfinite(target), 1)
+    alone = counted[1:-1] & ~counted[:-2] & ~counted[2:]
+    if alone.any():  # no line leads to a value whose neighbours do not count
+        axes.plot(curve.time[alone], target[alone], ".", color=BLACK)
     for label, values, colour, width, dashes in (
         ("target", target, BLACK, 2.2, "-"),
         ("soft", curve.soft, BLUE, 1.2, "-"),
@@ -166,8 +170,8 @@ def _waterfall(screened: Axes, descended: Axes, fit: Fit) -> None:
 
 def _floor(values) -> float:
     """What stands for nothing on a logarithmic axis: below all that is seen, but not by endless decades."""
-    seen = [value for value in values if np.isfinite(value) and value > 0]
-    return max(min(seen) / 2, max(seen) * 10.0**-_DECADES) if seen else 1.0
+    positive = [value for value in values if np.isfinite(value) and value > 0]
+    return max(min(positive) / 2, max(positive) * 10.0**-_DECADES) if positive else 1.0
 
 
 def _history(axes: Axes, runs: Sequence[Run], temperatures: Sequence[float]) -> None:

@@ -29,7 +29,11 @@ def arguments(callee: Callable, table: Mapping[str, Any], folder: Path) -> dict[
 def keywords(callee: Callable) -> dict[str, inspect.Parameter]:
     """The keywords that a renderer takes, or the fields of a class, by name."""
     every = inspect.signature(callee).parameters.items()
-    return {name: it for name, it in every if it.kind is it.KEYWORD_ONLY or inspect.isclass(callee)}
+    return {
+        name: parameter
+        for name, parameter in every
+        if parameter.kind is parameter.KEYWORD_ONLY or inspect.isclass(callee)
+    }
 
 
 def check_keys(table: Mapping[str, Any], known: Collection[str]) -> None:
@@ -45,12 +49,12 @@ def section(table: Mapping[str, Any], key: str, known: Collection[str] | None = 
 
     **Raises:** `ValueError` for what is no table, and for a key in it that is not `known`.
     """
-    found = table.get(key, {})
-    if not isinstance(found, dict):
-        raise ValueError(f"{key} is {found!r}; write it as a table [{key}]")
+    part = table.get(key, {})
+    if not isinstance(part, dict):
+        raise ValueError(f"{key} is {part!r}; write it as a table [{key}]")
     if known is not None:
-        check_keys(found, known)
-    return found
+        check_keys(part, known)
+    return part
 
 
 def check_complete(table: Mapping[str, Any], callee: Callable) -> None:

@@ -63,18 +63,18 @@ def target(table: Table, folder: Path) -> AnyTarget:
     """
     sources = [name for name in _SOURCES if name in table]
     if len(sources) != 1:
-        found = " and ".join(sources) or "no source"
-        raise ValueError(f"there is {found}; give one of {', '.join(_SOURCES)}")
+        given = " and ".join(sources) or "no source"
+        raise ValueError(f"there is {given}; give one of {', '.join(_SOURCES)}")
     source = sources[0]
     if not isinstance(table[source], str):
         raise ValueError(f"{source} is {table[source]!r}; give a text")
     own = {key: value for key, value in table.items() if key not in (source, *_WEIGHTING)}
     weighting = {key: value for key, value in table.items() if key in _WEIGHTING}
     try:
-        made = _SOURCES[source](table[source], own, folder)
+        result = _SOURCES[source](table[source], own, folder)
     except OSError as error:
         raise ValueError(f"{source} is {table[source]!r}, which cannot be read: {error.strerror or error}") from error
-    return Weighted(made, **arguments(Weighted, weighting, folder)) if weighting else made
+    return Weighted(result, **arguments(Weighted, weighting, folder)) if weighting else result
 
 
 def _recorded(name: str, table: Table, folder: Path) -> AnyTarget:

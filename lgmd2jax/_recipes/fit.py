@@ -79,12 +79,12 @@ class Recipe:
 
     def digest(self) -> str:
         """A digest of all that the fit sees: recipe, stimuli and targets."""
-        seen = hashlib.sha256(json.dumps(self.table, sort_keys=True).encode())
+        digest = hashlib.sha256(json.dumps(self.table, sort_keys=True).encode())
         for stimulus, targets in self.pairs:
-            seen.update(np.asarray(stimulus.frames).tobytes() + np.asarray(stimulus.time).tobytes())
+            digest.update(np.asarray(stimulus.frames).tobytes() + np.asarray(stimulus.time).tobytes())
             for target in targets:
-                seen.update(target.channel.encode() + np.asarray([target.values, target.scale]).tobytes())
-        return seen.hexdigest()
+                digest.update(target.channel.encode() + np.asarray([target.values, target.scale]).tobytes())
+        return digest.hexdigest()
 
 
 def fit_recipe(path: Path, table: dict[str, Any]) -> Recipe:

@@ -31,7 +31,7 @@ _SPACINGS = {"linear": np.linspace, "log": np.geomspace}
 class SweepRecipe:
     """A sweep to be made.
 
-    - `shown`: the arguments of the family, lists for axes.
+    - `stimulus`: the arguments of the family, lists for axes.
     - `parameters`: of the model, likewise.
     - `channels`: of the response that are kept over time.
     - `value`: what the figure shows, None for no figure.
@@ -42,7 +42,7 @@ class SweepRecipe:
     model: Network | dict[str, Network]
     eye: Eye
     family: str
-    shown: dict[str, Any]
+    stimulus: dict[str, Any]
     parameters: dict[str, Any]
     channels: tuple[str, ...]
     value: str | None
@@ -61,7 +61,7 @@ class SweepRecipe:
             store=store,
             client=client,
             progress=progress,
-            **self.shown,
+            **self.stimulus,
         )
 
     def thresholds(self) -> dict[str, float]:
@@ -112,7 +112,7 @@ def sweep_recipe(path: Path, table: dict[str, Any]) -> SweepRecipe:
         model={name: model_named(name) for name in names} if isinstance(names, list) else model_named(names),
         eye=eye_of(section(table, "eye"), folder),
         family=family,
-        shown=arguments(FAMILIES[family], fixed, folder) | axes,
+        stimulus=arguments(FAMILIES[family], fixed, folder) | axes,
         parameters={name: _values(name, value) for name, value in section(table, "parameters").items()},
         channels=check_channels(table.get("channels", ())),
         value=figure.get("value"),
@@ -141,7 +141,7 @@ def _check_figure(recipe: SweepRecipe) -> None:
         return
     if recipe.value not in SUMMARIES:
         raise ValueError(f"figure: value is {recipe.value!r}; choose {nearest(recipe.value, SUMMARIES)}")
-    grid = read_grid(recipe.model, FAMILIES[recipe.family], recipe.eye, recipe.parameters, recipe.shown)
+    grid = read_grid(recipe.model, FAMILIES[recipe.family], recipe.eye, recipe.parameters, recipe.stimulus)
     sizes = {axis.name: len(axis.values) for axis in grid.axes if len(axis.values) > 1}
     if recipe.index is not None and sizes.pop(recipe.index, None) != 2:
         raise ValueError(f"figure: index is {recipe.index!r}, which is no axis of two values")

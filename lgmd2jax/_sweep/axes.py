@@ -64,7 +64,7 @@ class Setup(eqx.Module):
         return dataclasses.replace(model, parameters=parameters)
 
     def _part(self, point: Mapping[str, Array], kind: Kind) -> dict[str, Array]:
-        return {name: point[name] for name, its in self.kinds if its == kind}
+        return {name: point[name] for name, own in self.kinds if own == kind}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -190,9 +190,9 @@ def _corners(
     units, windows = {}, []
     for corner in itertools.product(*((axis.values.min(), axis.values.max()) for axis in axes)):
         point = {axis.name: float(value) for axis, value in zip(axes, corner, strict=True)}
-        found = probe(renderer, eye, **fixed, **point)
-        units |= found.units
-        windows += [found.window] if found.window else []
+        facts = probe(renderer, eye, **fixed, **point)
+        units |= facts.units
+        windows += [facts.window] if facts.window else []
     starts, ends = zip(*windows, strict=True) if windows else ((), ())
     return units, (min(starts), max(ends)) if windows else None
 

@@ -82,5 +82,5 @@ def surfaces(
     grid = read_grid(model, renderer, eye, parameters, arguments)
     places = np.unravel_index(np.arange(np.prod(grid.shape)), grid.shape)
     points = jax.tree.map(jnp.asarray, grid.at(places))
-    found = each(lambda point: respond(grid.setup, channels, point), points)
-    return {name: values.reshape(*grid.shape, *values.shape[1:]) for name, values in found.items()}
+    results = each(lambda point: respond(grid.setup, channels, point), points)
+    return {name: values.reshape(*grid.shape, *values.shape[1:]) for name, values in results.items()}

@@ -44,7 +44,7 @@ class Memory:
         """All results, labelled."""
         empty = _labels(self._plan)
         return empty.assign(
-            {name: (_dimensions(self._plan, name), it, _meaning(name)) for name, it in self._arrays.items()}
+            {name: (_dimensions(self._plan, name), array, _meaning(name)) for name, array in self._arrays.items()}
         )
 
 
@@ -172,5 +172,5 @@ def _digest(plan: Plan) -> str:
     setup = plan.grid.setup
     values = [axis.values for axis in plan.grid.axes]
     versions = [version(name) for name in ("lgmd2jax", "jax")]
-    shown = (setup.renderer, setup.eye, setup.kinds, setup.fixed, values)
-    return fingerprint((setup.model, shown, plan.channels, plan.chunk, plan.variables, versions))
+    stimulus = (setup.renderer, setup.eye, setup.kinds, setup.fixed, values)
+    return fingerprint((setup.model, stimulus, plan.channels, plan.chunk, plan.variables, versions))

@@ -143,7 +143,7 @@ def _check_one_curve(table: Columns, times: np.ndarray, used: Collection[str]) -
 
 
 def _warn_of_conditions(path: str | os.PathLike, table: Columns, trial: tuple[str, str], used: Collection[str]) -> None:
-    """Warn of a column that says more of a whole trial than animal and number, such as which stimulus was shown."""
+    """Warn of a column that says more of a whole trial than animal and number, such as which stimulus was some."""
     groups = list(zip(*(table.text(name) for name in trial), strict=True))
     others = _told_apart_by(table, [name for name in table.header if name not in (*trial, *used)])
     for name, values in others.items():
@@ -163,5 +163,5 @@ def _told_apart_by(table: Columns, names: Sequence[str]) -> Mapping[str, tuple[s
 
 
 def _some(values: tuple[str, ...]) -> str:
-    shown = ", ".join(map(repr, values[:4]))
-    return f"{len(values)} values ({shown}{', ...' if len(values) > 4 else ''})"
+    some = ", ".join(map(repr, values[:4]))
+    return f"{len(values)} values ({some}{', ...' if len(values) > 4 else ''})"

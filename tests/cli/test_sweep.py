@@ -67,14 +67,18 @@ def test_ctrl_c_says_how_to_go_on(recipe, capsys, monkeypatch):
 
 @pytest.mark.parametrize("name", ["contrast_speed", "gratings", "parameters"])
 def test_shipped_recipes_load(name):
-    assert load_recipe(name).value in ("peak", "integral")
+    recipe = load_recipe(name)
+    assert isinstance(recipe, lgmd.SweepRecipe)
+    assert recipe.value in ("peak", "integral")
 
 
 def test_the_thresholds_drawn_are_those_of_the_network(recipe):
     surface = RECIPE.replace("[parameters]\ntheta1 = [0, 1, 2]\n", "").replace('index = "contrast"', "")
     for name, levels in (("lgmd2", {"1 spike": 0.78, "2 spikes": 0.88}), ("yue_rind", {"1 spike": 0.86})):
         recipe.write_text(f'model = "preset:{name}"\n{surface}')
-        assert load_recipe(recipe).thresholds() == pytest.approx(levels)
+        surface_recipe = load_recipe(recipe)
+        assert isinstance(surface_recipe, lgmd.SweepRecipe)
+        assert surface_recipe.thresholds() == pytest.approx(levels)
 
 
 @pytest.mark.parametrize(
