@@ -1,7 +1,7 @@
 # make fit    set everything up, fit the LGMD2 to its target curves, leave the results in fits/lgmd2/
 # make test   set everything up, run the tests
 # make notebooks   set everything up, run the notebooks and write them again
-# make lint   set everything up, check style and types
+# make lint   set everything up, check style, types, and which room imports which
 PYTHON ?= python3
 VENV ?= .venv
 
@@ -18,6 +18,7 @@ notebooks: $(VENV)/ready
 lint: $(VENV)/ready
 	$(VENV)/bin/ruff check
 	$(VENV)/bin/ruff format --check
+	$(VENV)/bin/lint-imports --no-cache --no-logo
 	$(VENV)/bin/pyright --pythonpath $(VENV)/bin/python
 
 $(VENV)/ready: pyproject.toml

@@ -11,12 +11,10 @@ from pathlib import Path
 import jax
 import jax.numpy as jnp
 
-from benchmarks._library import loss, parameters
+from benchmarks._library import exact, loss, parameters, plain
 from benchmarks._task import LARGE
-from lgmd2jax._network.pixels import scan_pixels
-from lgmd2jax._network.sensitivity import potentials
 
-RULES = {"exact": potentials, "naive": scan_pixels}
+RULES = {"exact": exact, "naive": plain}
 
 
 @dataclasses.dataclass(frozen=True)

@@ -7,9 +7,6 @@ import jax.numpy as jnp
 
 import lgmd2jax as lgmd
 from benchmarks._task import FPS, PARAMETERS, SMALL
-from lgmd2jax._network.abstract import channels
-from lgmd2jax._network.pixels import scan_pixels
-from lgmd2jax._network.sensitivity import potentials
 
 
 def parameters() -> lgmd.Parameters:
@@ -28,39 +25,48 @@ def forward(thresholds: lgmd.Thresholds) -> Callable:
     return _of_parameters(lambda parameters, frames: lgmd.LGMD2(parameters, thresholds)(frames, FPS))
 
 
+def exact(model: lgmd.LGMD2, frames, interval):
+    """The sums over a film by the library's rule."""
+    return model.sums(frames, interval)[0]
+
+
+def plain(model: lgmd.LGMD2, frames, interval):
+    """The same, as JAX derives the loop over frames."""
+    return model.pixels.plain(frames, interval)[0]
+
+
 def loss(pixel_stage) -> Callable:
     """The sum of U' over a film with soft thresholds, as a function of parameters and film."""
 
     def total(parameters, frames):
         model, interval = lgmd.LGMD2(parameters, lgmd.Soft()), jnp.float32(1000 / FPS)
-        mp, f, _ = pixel_stage(model, frames, interval, None)
-        return channels(model, mp, f, interval, frames[0].size)["smp_adapted"].sum()
+        return model.respond(pixel_stage(model, frames, interval), interval, frames[0].size).smp_adapted.sum()
 
     return total
 
 
-def gradient(pixel_stage=potentials) -> Callable:
-    """The gradient of `loss` by all parameters; `scan_pixels` as `pixel_stage` differentiates plainly."""
+def gradient(pixel_stage=exact) -> Callable:
+    """The gradient of `loss` by all parameters; `plain` as `pixel_stage` differentiates the loop."""
     return _of_parameters(jax.grad(loss(pixel_stage)))
 
 
-def jacobian(pixel_stage=potentials) -> Callable:
+def jacobian(pixel_stage=exact) -> Callable:
     """The derivatives of MP(t) and F(t) with soft thresholds by all parameters."""
 
     def sums(parameters, frames):
-        return pixel_stage(lgmd.LGMD2(parameters, lgmd.Soft()), frames, jnp.float32(1000 / FPS), None)[:2]
+        return pixel_stage(lgmd.LGMD2(parameters, lgmd.Soft()), frames, jnp.float32(1000 / FPS))
 
     return _of_parameters(jax.jacfwd(sums))
 
 
 def naive_gradient() -> Callable:
     """`gradient` without the library's rule."""
-    return gradient(scan_pixels)
+    return gradient(plain)
 
 
 def naive_jacobian() -> Callable:
     """`jacobian` without the library's rule."""
-    return jacobian(scan_pixels)
+    return jacobian(plain)
 
 
 def vmapped() -> Callable:

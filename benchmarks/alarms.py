@@ -15,11 +15,11 @@ import numpy as np
 import lgmd2jax as lgmd
 from lgmd2jax._compute.tasks import Stop, Work
 from lgmd2jax._compute.xla import set_flags
-from lgmd2jax.alarms import footage, load_recipe
+from lgmd2jax.alarms import LabelledClip, load_recipe
+from lgmd2jax.alarms._cell_search import peaks_of, sums_at
 from lgmd2jax.alarms._choice import choose
 from lgmd2jax.alarms._problem import problem_of
-from lgmd2jax.alarms._search import look, seen
-from lgmd2jax.fitting._search import sobol
+from lgmd2jax.fitting._search.points import sobol
 
 EYE = lgmd.Eye(60, 108, degrees_per_pixel=0.65, fps=30.0, projection="pinhole")
 CLIPS, FRAMES, CELLS = 10, 200, 1024
@@ -36,7 +36,7 @@ def main() -> None:
     recipe = load_recipe("video")
     films = list(lgmd.stimuli.encounters(EYE, jax.random.key(0), CLIPS, duration_ms=1000 * FRAMES / 30))
     labels: dict[str, Any] = {"windows": [(180, 199)], "silent": [(10, 150)]}
-    clips = [footage(it.kind, np.asarray(it.stimulus.frames).astype(np.uint8), 30, **labels) for it in films]
+    clips = [LabelledClip.of(it.kind, np.asarray(it.stimulus.frames).astype(np.uint8), 30, **labels) for it in films]
     problem = problem_of(recipe.model, recipe.free, clips, 1.0, 1.0)
     points = sobol(len(recipe.free), options.points, (0,))
     pixels = list(problem.pixel_indices)
@@ -45,7 +45,9 @@ def main() -> None:
     def screen(number: int, stop: Stop) -> dict:
         z = np.array(start)
         z[pixels] = points[number][pixels]
-        peaks = np.asarray(look(problem, z, seen(problem, z), sobol(len(problem.searched), CELLS, (0, number))))
+        peaks = np.asarray(
+            peaks_of(problem, z, sums_at(problem, z), sobol(len(problem.cell_entries), CELLS, (0, number)))
+        )
         return {"loss": float(choose(peaks, problem.wanted, problem.weights, 0.55, 0.95, 0.01).risk.min())}
 
     began = time.perf_counter()

@@ -9,16 +9,14 @@ import argparse
 import subprocess
 import sys
 import time
-from functools import partial
 
 import jax
 
 from lgmd2jax._compute import xla as _xla
-from lgmd2jax._network.pixels import scan_pixels
+from lgmd2jax._network.pixels import Pixels
 from lgmd2jax._recipes.load import load_recipe
-from lgmd2jax.fitting import _problem
 
-RULES = {"exact": _problem.potentials, "plain": partial(scan_pixels, record=None)}
+RULES = {"exact": Pixels.over, "plain": Pixels.plain}
 
 
 def seconds(recipe: str, rule: str) -> list[float]:
@@ -43,7 +41,7 @@ def main() -> None:
     _xla.set_flags()
     if options.rule:
         jax.config.update("jax_enable_x64", True)
-        _problem.potentials = RULES[options.rule]
+        Pixels.over = RULES[options.rule]
         print(_fit_here(options.recipes[0]), _fit_here(options.recipes[0]))
         return
     print("recipe                  exact s   plain s   ratio")

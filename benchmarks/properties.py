@@ -20,8 +20,9 @@ from scipy.stats import qmc
 from tqdm import tqdm
 
 import lgmd2jax as lgmd
-from lgmd2jax._characterise.exam import Exam, exam_of, sums
-from lgmd2jax._characterise.verdicts import ROWS, verdicts
+from lgmd2jax._characterise.exam import Exam, ExamSums, exam_of, sums_of
+from lgmd2jax._characterise.properties import ROWS
+from lgmd2jax._characterise.verdicts import verdicts
 
 EYE = lgmd.Eye(rows=48, cols=64, degrees_per_pixel=2.0, fps=100.0)
 # theta2 stays 1, since a common factor of theta, T_s and k changes nothing.
@@ -94,14 +95,14 @@ class Archive:
 
 
 @eqx.filter_jit
-def judged(exam: Exam, seen, model: lgmd.LGMD2, cells: Float[jax.Array, "model free"]):
+def judge(exam: Exam, sums: ExamSums, model: lgmd.LGMD2, cells: Float[jax.Array, "model free"]):
     """Which properties hold for each cell, and a score: their number, and for others the lines that hold, a half."""
 
     def one(z):
         parameters, _ = CELL.insert(model.parameters, lgmd.Observation(), z)
-        values, passed = verdicts(exam, seen, dataclasses.replace(model, parameters=parameters))
+        values, passed = verdicts(exam, sums, dataclasses.replace(model, parameters=parameters))
         lines = [
-            jnp.mean(jnp.stack([(x >= line.low) & (x <= line.high) for line, x in zip(row.lines, value, strict=True)]))
+            jnp.mean(jnp.stack([line.holds(x) for line, x in zip(row.lines, value, strict=True)]))
             for row, value in zip(ROWS, values, strict=True)
         ]
         return passed, jnp.sum(jnp.where(passed, 1.0, 0.5 * jnp.stack(lines)))
@@ -115,7 +116,7 @@ def look(
     """One pixel stage, and all cells on what it sums."""
     parameters, _ = PIXELS.insert(lgmd.preset("lgmd2"), lgmd.Observation(), jnp.asarray(pixels))
     model = lgmd.LGMD2(parameters, eye=exam.eye)
-    passed, score = judged(exam, sums(exam, model), model, jnp.asarray(cells))
+    passed, score = judge(exam, sums_of(exam, model), model, jnp.asarray(cells))
     archive.add(np.hstack([np.tile(pixels, (len(cells), 1)), cells]), np.asarray(passed), np.asarray(score))
 
 

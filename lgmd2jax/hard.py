@@ -12,19 +12,25 @@ while True:
 
 `load` proves itself: the file carries a short clip with the response to it, which must come out.
 `model.step(frame, interval=ms)` takes the time since the last frame where the camera's clock is known, and
-`model(frames)` gives the response to a whole clip. The equations are those of Fu, Hu & Yue (arXiv 1801.06452).
+`model(frames)` gives the response to a whole clip. The equations are those of Fu, Hu & Yue (arXiv 1801.06452), with the
+mechanisms that the file names: inhibition that codes size, a graded shunt, a lag, a membrane.
+
+It runs on Python 3.8 and NumPy 1.17 or later.
 """
+
+from __future__ import annotations
 
 import json
 import math
 import warnings
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
 FORMAT = "lgmd2jax-model"
-VERSION = 1
+VERSION = 2
+NETWORK = "LGMD2"
 DOMAINS = {
     "theta1": "[0, inf)",
     "theta2": "[0, inf)",
@@ -43,6 +49,12 @@ DOMAINS = {
     "u": "(-inf, inf)",
     "N_sp": "(0, inf)",
 }
+MECHANISMS = {
+    "size": {"T_p": "(0, inf)", "tau_hold": "(0, inf)", "A_ffi": "(0, inf)"},
+    "shunt": {"m": "(0, inf)", "gamma": "(0, inf)"},
+    "lag": {"lag": "[0, inf)"},
+    "membrane": {"tau_cell": "[0, inf)"},
+}
 EYE = ("rows", "cols", "degrees_per_pixel", "fps", "projection")
 TEST_VECTOR = ("fps", "tolerance", "frames", "response")
 
@@ -50,8 +62,8 @@ TEST_VECTOR = ("fps", "tolerance", "frames", "response")
 class Response(NamedTuple):
     """What the cell does in a frame, or an array over the frames of a clip.
 
-    `mp` and `ffi` in grey levels; `smp` before and `smp_adapted` after adaptation, in [.5, 1); `spikes` 0, 1 or 2;
-    `collision` the alarm.
+    `mp` in grey levels; `ffi` likewise, with size-coding inhibition the share of the field that changed of late;
+    `smp` before and `smp_adapted` after adaptation, in [.5, 1); `spikes` 0, 1 or 2; `collision` the alarm.
     """
 
     mp: Any
@@ -62,9 +74,9 @@ class Response(NamedTuple):
     collision: Any
 
     @classmethod
-    def over_time(cls, frames: "Iterable[Response]") -> "Response":
+    def over_time(cls, frames: Iterable[Response]) -> Response:
         """The response to a clip, from those to its frames."""
-        return cls(*(np.array(channel) for channel in zip(*frames, strict=True)))
+        return cls(*(np.array(channel) for channel in zip(*frames)))
 
 
 class HardLGMD2:
@@ -75,6 +87,7 @@ class HardLGMD2:
     - `parameters`: a value for each of `DOMAINS`, by the paper's symbols, in its domain.
     - `fps`: frames per second that the parameters belong to; None if every step is given its interval.
     - `n_p`, `low_pass`, `N_ts`: structure, as in the hand-over file.
+    - `mechanisms`: the names of those that the model has; `parameters` then holds theirs too (`MECHANISMS`).
 
     **Raises:** `ValueError` for parameters that are missing, unknown or out of their domain, and for unknown structure.
     """
@@ -87,11 +100,17 @@ class HardLGMD2:
         n_p: int = 0,
         low_pass: str = "backward_euler",
         N_ts: int = 4,
+        mechanisms: Sequence[str] = (),
     ):
-        _check_parameters(parameters)
+        _check_names(mechanisms)
+        domains = dict(DOMAINS)
+        for name in mechanisms:
+            domains.update(MECHANISMS[name])
+        _check_parameters(parameters, domains)
         _check_structure({"n_p": n_p, "low_pass": low_pass, "N_ts": N_ts})
         _check_rate(fps)
-        self.parameters = {name: float(parameters[name]) for name in DOMAINS}
+        self.parameters = {name: float(parameters[name]) for name in domains}
+        self.mechanisms = tuple(mechanisms)
         self.fps, self.n_p, self.low_pass, self.N_ts = fps, n_p, low_pass, N_ts
         u = self.parameters["u"]
         self._persistence = [1 / (1 + math.exp(min(u * i, 700))) for i in range(1, n_p + 1)]
@@ -125,7 +144,7 @@ class HardLGMD2:
 
         **Raises:** `ValueError` for a frame of the wrong shape or not finite; the state stays as it was.
         """
-        frame = np.asarray(frame, dtype=float)  # before any difference: uint8 3 - 5 is 254
+        frame = np.array(frame, dtype=float)  # before any difference: uint8 3 - 5 is 254; a copy: buffers are refilled
         self._check_frame(frame)
         if interval is None:
             if self.fps is None:
@@ -141,15 +160,16 @@ class HardLGMD2:
     def _start(self, frame):
         self._luminance = frame
         self._history = [np.zeros_like(frame)] * self.n_p
-        self._on = self._off = self._d_on = self._d_off = np.zeros_like(frame)
-        self._ffi, self._smp, self._smp_adapted = 0.0, 0.5, 0.5
+        self._on = self._off = self._d_on = self._d_off = self._held = np.zeros_like(frame)
+        self._ffi, self._smp, self._smp_adapted, self._excitation = 0.0, 0.5, 0.5, 0.0
+        self._past = []  # ms ago, MP, F; the newest first
         self._spikes = [0] * self.N_ts
 
     def _pixels(self, frame, interval):
-        """Eqs 1-8 and 13: the S layer and F."""
+        """Eqs 1-8: the S layer; and F: eq. 13, or the share of the field that changed of late."""
         v = self.parameters
         p = frame - self._luminance
-        for share, past in zip(self._persistence, self._history, strict=True):
+        for share, past in zip(self._persistence, self._history):
             p = p + share * past
         self._luminance, self._history = frame, [p, *self._history][: self.n_p]
         self._on = np.maximum(p, 0) + v["sigma1"] * self._on
@@ -160,7 +180,11 @@ class HardLGMD2:
         s_on = self._on - v["w_bias"] * _lateral(self._d_on)
         s_off = _lateral(self._d_off) - v["w_bias"] * self._off
         s = v["theta1"] * s_on + v["theta2"] * s_off + v["theta3"] * s_on * s_off
-        return s, float(np.abs(p).mean())
+        if "size" not in self.mechanisms:
+            return s, float(np.abs(p).mean())
+        changed = self._d_on + self._d_off > a * v["T_p"]
+        self._held = np.where(changed, 1.0, math.exp(-interval / v["tau_hold"]) * self._held)
+        return s, float(self._held.mean())
 
     def _potential(self, s):
         """Eqs 9-11: MP. The mean of eq. 10 keeps the sum."""
@@ -169,8 +193,9 @@ class HardLGMD2:
     def _cell(self, mp, f, pixels, interval):
         """Eqs 12 and 14-17."""
         v = self.parameters
+        late, f = self._delayed(mp, f, interval) if "lag" in self.mechanisms else (mp, f)
         self._ffi += self._coefficient(v["tau2"], interval) * (f - self._ffi)
-        smp = 1 / (1 + math.exp(-abs(mp) / (pixels * v["k"]))) if self._ffi <= v["T_ffi"] else 0.5
+        smp = self._potential_behind_inhibition(abs(late) / (pixels * v["k"]), interval)
         c = v["tau3"] / (v["tau3"] + interval)
         rise = smp - self._smp
         adapted = c * (self._smp_adapted + rise) if rise <= v["T_sfa"] else c * smp
@@ -180,7 +205,33 @@ class HardLGMD2:
         self._spikes = window[1:]
         return Response(mp, self._ffi, smp, self._smp_adapted, spikes, sum(window) >= v["N_sp"])
 
+    def _delayed(self, mp, f, interval):
+        """MP and F of `lag` ms ago, linear between frames, 0 before the first one."""
+        lag = self.parameters["lag"]
+        self._past = [(0.0, mp, f)] + [(age + interval, *sums) for age, *sums in self._past]
+        ages = [age for age, _, _ in self._past]
+        newer = sum(age < lag for age in ages)  # frames after that moment
+        if newer == len(ages):
+            return 0.0, 0.0
+        self._past = self._past[: newer + 1]
+        return tuple(float(np.interp(lag, ages[: newer + 1], channel)) for channel in list(zip(*self._past))[1:])
+
+    def _potential_behind_inhibition(self, drive, interval):
+        """Eq. 12 behind the gate, or the graded shunt with its membrane."""
+        v = self.parameters
+        threshold = v["A_ffi"] if "size" in self.mechanisms else v["T_ffi"]
+        if "shunt" not in self.mechanisms:
+            return _sigmoid(drive) if self._ffi <= threshold else 0.5
+        inhibition = _sigmoid(v["m"] * (math.log(threshold) - math.log(self._ffi + 1e-12)))
+        excitation = ((drive + 1e-3) ** v["gamma"] - 1e-3 ** v["gamma"]) * inhibition
+        if "membrane" in self.mechanisms:
+            excitation = self._excitation + self._coefficient(v["tau_cell"], interval) * (excitation - self._excitation)
+            self._excitation = excitation
+        return _sigmoid(excitation)
+
     def _coefficient(self, tau, interval):
+        if tau == 0:
+            return 1.0
         return -math.expm1(-interval / tau) if self.low_pass == "exact" else interval / (interval + tau)
 
     def _check_frame(self, frame):
@@ -211,43 +262,77 @@ def load(path) -> HardLGMD2:
     **Raises:** `ValueError` that says what is wrong with the file, `OSError` where it cannot be read.
     """
     content = read(path)
-    fps = content["eye"]["fps"] if content["eye"] else None
-    return HardLGMD2(content["parameters"], fps, **content["structure"])
+    return _model(content, content["eye"]["fps"] if content["eye"] else None)
 
 
 def read(path) -> dict:
     """The content of a hand-over file, checked: it is whole, and this program computes what its test vector says.
+
+    What version 1 did not have is as version 2 says it: the network is the LGMD2, without mechanisms.
+
+    **Raises:** as `load`.
+    """
+    content = read_any(path)
+    try:
+        if content["network"] != NETWORK:
+            raise ValueError(f"its network is {content['network']!r}; this program runs the {NETWORK} alone")
+        _check_parameters(content["parameters"], DOMAINS)
+        _check_tables(content["mechanisms"])
+        _check_structure(content["structure"])
+        vector = content["test_vector"]
+        with np.errstate(all="ignore"):
+            prove(_model(content, vector["fps"])(np.array(vector["frames"])), vector)
+    except ValueError as error:
+        raise ValueError(f"{path} is not a hand-over file that can be used: {error}") from None
+    return content
+
+
+def _model(content, fps):
+    parameters = dict(content["parameters"])
+    for values in content["mechanisms"].values():
+        parameters.update(values)
+    return HardLGMD2(parameters, fps, mechanisms=tuple(content["mechanisms"]), **content["structure"])
+
+
+def read_any(path) -> dict:
+    """The content of a hand-over file of any network, as far as it is the same for all: what is proved is its form.
 
     **Raises:** as `load`.
     """
     try:
         with open(path, encoding="utf-8") as file:
             content = json.load(file)
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise ValueError(f"{path} is not a hand-over file: no JSON ({error})") from None
     try:
         if not isinstance(content, dict) or content.get("format") != FORMAT:
             raise ValueError(f"its format is not {FORMAT!r}")
-        if content.get("version") != VERSION:
-            raise ValueError(f"its version is {content.get('version')!r}, this program reads {VERSION}; update it")
-        for name in ("parameters", "structure", "eye", "provenance", "test_vector"):
+        version = content.get("version")
+        if isinstance(version, bool) or version not in (1, VERSION):
+            raise ValueError(f"its version is {version!r}, this program reads 1 and {VERSION}; update it")
+        if version == 1:
+            content = {"network": NETWORK, **content}
+        names = ("network", "parameters", "structure", "eye", "provenance", "test_vector")
+        for name in names:
             if name not in content:
                 raise ValueError(f"{name} is missing")
-        _check_parameters(content["parameters"])
-        _check_structure(content["structure"])
+        if not isinstance(content["network"], str):
+            raise ValueError(f"its network is {content['network']!r}; give the name of one")
+        optional = ("format", "version", "mechanisms", "calibration") if version > 1 else ("format", "version")
+        for name in content:
+            if name not in names + optional:
+                raise ValueError(f"{name} is unknown; there are {', '.join(names + optional)}")
+        content.setdefault("mechanisms", {})
         _check_eye(content["eye"])
         _check_test_vector(content["test_vector"], content["eye"])
-        _prove(content)
     except ValueError as error:
         raise ValueError(f"{path} is not a hand-over file that can be used: {error}") from None
     return content
 
 
-@np.errstate(all="ignore")
-def _prove(content):
-    vector = content["test_vector"]
-    model = HardLGMD2(content["parameters"], vector["fps"], **content["structure"])
-    response, expected = model(np.array(vector["frames"])), Response(**vector["response"])
+def prove(response: Response, vector: Mapping) -> None:
+    """Raise `ValueError` where a response is not the one that a test vector states."""
+    expected = Response(**vector["response"])
     found = first_difference(response, expected, vector["tolerance"])
     if found is not None:
         t, name = found
@@ -258,6 +343,10 @@ def _prove(content):
         )
 
 
+def _sigmoid(x):
+    return 1 / (1 + math.exp(-x)) if x > -700 else 0.0
+
+
 def _lateral(d):
     """The four nearest neighbours at .25, the four diagonal ones at .125, the edge repeated beyond the border."""
     tall = np.concatenate((d[:1], d, d[-1:]))
@@ -266,16 +355,39 @@ def _lateral(d):
     return (wide[:, :-2] + 2 * rows + wide[:, 2:]) / 8 - d / 2
 
 
-def _check_parameters(parameters):
+def _check_parameters(parameters, domains):
+    """Whether each has a value in its domain. What belongs to an absent mechanism may be there, and is not used."""
     if not isinstance(parameters, Mapping):
-        raise ValueError(f"parameters is {parameters!r}; give a value for each of {', '.join(DOMAINS)}")
+        raise ValueError(f"parameters is {parameters!r}; give a value for each of {', '.join(domains)}")
     for name in parameters:
-        if name not in DOMAINS:
-            raise ValueError(f"parameter {name} is unknown; there are {', '.join(DOMAINS)}")
-    for name, domain in DOMAINS.items():
-        if name not in parameters:
+        if name not in DOMAINS and not any(name in table for table in MECHANISMS.values()):
+            raise ValueError(f"parameter {name} is unknown; there are {', '.join(domains)}")
+    _check_values(parameters, domains)
+
+
+def _check_names(mechanisms):
+    for name in mechanisms:
+        if name not in MECHANISMS:
+            raise ValueError(f"mechanism {name} is unknown; there are {', '.join(MECHANISMS)}")
+    if "membrane" in mechanisms and "shunt" not in mechanisms:
+        raise ValueError("mechanisms has a membrane without the shunt that it needs")
+
+
+def _check_tables(mechanisms):
+    if not isinstance(mechanisms, Mapping):
+        raise ValueError(f"mechanisms is {mechanisms!r}; give a table for each, of {', '.join(MECHANISMS)}")
+    _check_names(mechanisms)
+    for name, values in mechanisms.items():
+        if not isinstance(values, Mapping) or set(values) != set(MECHANISMS[name]):
+            raise ValueError(f"mechanism {name} is {values!r}; give {', '.join(MECHANISMS[name])}")
+        _check_values(values, MECHANISMS[name])
+
+
+def _check_values(values, domains):
+    for name, domain in domains.items():
+        if name not in values:
             raise ValueError(f"parameter {name} is missing")
-        value, (low, high) = parameters[name], map(float, domain[1:-1].split(","))
+        value, (low, high) = values[name], map(float, domain[1:-1].split(","))
         inside = _is_finite(value) and low <= value <= high
         if not inside or (value == low and domain[0] == "(") or (value == high and domain[-1] == ")"):
             raise ValueError(f"parameter {name} is {value!r}; it must lie in {domain}")
@@ -318,7 +430,7 @@ def _check_test_vector(vector, eye):
         raise ValueError("the frames of test_vector are not whole grey levels 0..255 of (time, row, col)")
     if not isinstance(response, dict) or set(response) != set(Response._fields):
         raise ValueError(f"the response of test_vector does not hold {', '.join(Response._fields)}")
-    for name, kinds in zip(Response._fields, ("fi", "fi", "fi", "fi", "i", "b"), strict=True):
+    for name, kinds in zip(Response._fields, ("fi", "fi", "fi", "fi", "i", "b")):
         channel = _array(response[name])
         if channel.dtype.kind not in kinds or channel.shape != frames.shape[:1] or not np.isfinite(channel).all():
             raise ValueError(f"{name} in the response of test_vector is not a finite value for each frame")
@@ -343,5 +455,5 @@ def _is_positive(value):
 def _is_finite(value):
     try:
         return not isinstance(value, (bool, str)) and math.isfinite(value)
-    except TypeError:
+    except (TypeError, OverflowError):
         return False

@@ -11,19 +11,35 @@ def noise(count, shape=(24, 33), seed=0):
     return np.random.default_rng(seed).integers(0, 256, (count, *shape, 3), dtype=np.uint8)
 
 
-def write_video(path, pictures, codec="ffv1", pixels="bgr0", stamps_ms=None, rotation=0):
-    """Lossless by default, with a time stamp each if they are given."""
+def write_video(
+    path,
+    pictures,
+    codec="ffv1",
+    pixels="bgr0",
+    stamps_ms=None,
+    rotation=0,
+    rate=30,
+    given="rgb24",
+    setup=None,
+    **options,
+):
+    """Lossless by default, with a time stamp each if they are given.
+
+    `given`: the format of the pictures. `setup`: called with the stream before the first frame.
+    """
     av = pytest.importorskip("av", reason="video needs the extra 'video'")
     with av.open(str(path), "w") as container:
-        stream = container.add_stream(codec, rate=30)
+        stream = container.add_stream(codec, rate=rate, options=options)
         stream.height, stream.width = pictures[0].shape[:2]
         stream.pix_fmt = pixels
         if rotation:
             if not hasattr(stream, "set_display_rotation"):
                 pytest.skip("this version of PyAV reads rotated video but cannot write it")
             stream.set_display_rotation(rotation)
+        if setup:
+            setup(stream)
         for i, picture in enumerate(pictures):
-            frame = av.VideoFrame.from_ndarray(picture, format="rgb24")
+            frame = av.VideoFrame.from_ndarray(picture, format=given)
             if stamps_ms is not None:
                 stream.codec_context.time_base = frame.time_base = Fraction(1, 1000)
                 frame.pts = int(stamps_ms[i])

@@ -8,15 +8,14 @@ import numpy as np
 from jaxtyping import Array, Key
 
 from lgmd2jax._characterise.curves import curves_of
-from lgmd2jax._characterise.exam import Exam, Sums, exam_of, sums
-from lgmd2jax._characterise.measured import Measured, measured, result_of
+from lgmd2jax._characterise.exam import Exam, ExamSums, exam_of, sums_of
+from lgmd2jax._characterise.measurements import Measurements, measure, result_of
 from lgmd2jax._characterise.result import Characterisation, JudgedAs
 from lgmd2jax._characterise.selectivity import Estimate, intervals
 from lgmd2jax._eye import Eye
-from lgmd2jax._network.ablation import ablate, mechanisms_of
-from lgmd2jax._network.abstract import Network
-from lgmd2jax._network.lgmd2 import LGMD2
+from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.parameters import symbols
+from lgmd2jax._network.variants import ablate
 from lgmd2jax.fitting import Fit
 
 _SLOWEST, _COARSEST, _NARROWEST = 10.0, 10.0, 40.0  # fps, degrees a pixel, degrees of field
@@ -24,7 +23,7 @@ _FINE = 1.0  # degrees a pixel
 
 
 def characterise(
-    model: Network | Fit, *, key: Key[Array, ""] | None = None, progress: bool = False
+    model: AbstractNetwork | Fit, *, key: Key[Array, ""] | None = None, progress: bool = False
 ) -> Characterisation:
     """The 22 response properties of a looming-sensitive neuron, measured on a model with its own eye.
 
@@ -45,15 +44,15 @@ def characterise(
         raise ValueError("key is given without a fit; intervals need its covariance, so give lgmd.load_fit(...)")
     model = model.model if isinstance(model, Fit) else model
     eye = _usable(model)
-    found = _found(model, exam_of(eye), _neuron(model), progress)
+    result = _result(model, exam_of(eye), _neuron(model), progress)
     if fit is None or key is None or fit.uncertainty.reason:
-        return found
+        return result
     spans = intervals(fit, eye, key)
-    known = {name: Estimate(it.value, *spans[name]) for name, it in found.selectivity.items()}
-    return dataclasses.replace(found, selectivity=known)
+    estimates = {name: Estimate(estimate.value, *spans[name]) for name, estimate in result.selectivity.items()}
+    return dataclasses.replace(result, selectivity=estimates)
 
 
-def ablations(model: Network, *, progress: bool = False) -> dict[str, Characterisation]:
+def ablations(model: AbstractNetwork, *, progress: bool = False) -> dict[str, Characterisation]:
     """The exam on the model as it is and without FFI, SFA, lateral inhibition, ON pathway, each judged as the whole is.
 
     What a model does not have is not taken out: the LGMD1 of Yue & Rind has neither SFA nor pathways.
@@ -61,12 +60,12 @@ def ablations(model: Network, *, progress: bool = False) -> dict[str, Characteri
     **Raises:** `ValueError` as for `characterise`.
     """
     exam, neuron = exam_of(_usable(model)), _neuron(model)
-    out = [it for it in ("ffi", "sfa", "lateral", "on") if it in mechanisms_of(model)]
-    variants = {"intact": model} | {f"without {it}": ablate(model, it) for it in out}
-    return {name: _found(it, exam, neuron, progress) for name, it in variants.items()}
+    mechanisms = [name for name in ("ffi", "sfa", "lateral", "on") if name in model.ablations]
+    variants = {"intact": model} | {f"without {name}": ablate(model, name) for name in mechanisms}
+    return {name: _result(variant, exam, neuron, progress) for name, variant in variants.items()}
 
 
-def rasters(model: Network, *, finer: bool = True, progress: bool = False) -> dict[str, Characterisation]:
+def rasters(model: AbstractNetwork, *, finer: bool = True, progress: bool = False) -> dict[str, Characterisation]:
     """The exam as it is, with all objects moved by half a pixel, and by an eye of 1 degree a pixel and the same field.
 
     What fills the field, gratings and changes of light, is not moved. A finer eye takes the square as long.
@@ -76,53 +75,51 @@ def rasters(model: Network, *, finer: bool = True, progress: bool = False) -> di
     **Raises:** `ValueError` as for `characterise`.
     """
     eye, neuron = _usable(model), _neuron(model)
-    found = {"as it is": _found(model, exam_of(eye), neuron, progress)}
-    found["half a pixel aside"] = _found(model, exam_of(eye, 0.5), neuron, progress)
+    results = {"as it is": _result(model, exam_of(eye), neuron, progress)}
+    results["half a pixel aside"] = _result(model, exam_of(eye, 0.5), neuron, progress)
     pitch = 1 / eye.pixels_per_degree
     if finer and pitch > _FINE:
         rows, cols = (round(size * pitch / _FINE) for size in (eye.rows, eye.cols))
         fine = dataclasses.replace(eye, rows=rows, cols=cols, degrees_per_pixel=_FINE)
         model = dataclasses.replace(model, eye=fine)
-        found["1 degree a pixel"] = _found(model, exam_of(fine), neuron, progress)
-    return found
+        results["1 degree a pixel"] = _result(model, exam_of(fine), neuron, progress)
+    return results
 
 
-def differences(found: Mapping[str, Characterisation]) -> list[str]:
-    """What hangs on the raster, a sentence each: the shift of alpha, and the verdicts that change."""
-    first, *others = found.items()
-    said = []
+def differences(results: Mapping[str, Characterisation]) -> list[str]:
+    """What depends on the raster, a sentence each: the shift of alpha, and the verdicts that change."""
+    (_, first), *others = results.items()
+    sentences = []
     for name, other in others:
-        shift = other.selectivity["alpha"].value - first[1].selectivity["alpha"].value
-        changed = [
+        shift = other.selectivity["alpha"].value - first.selectivity["alpha"].value
+        changes = [
             f"{a.number} {a.name} ({a.verdict} -> {b.verdict})"
-            for a, b in zip(first[1].rows, other.rows, strict=True)
+            for a, b in zip(first.rows, other.rows, strict=True)
             if a.verdict != b.verdict
         ]
-        said.append(f"{name}: alpha shifts by {shift:+.2f}; verdicts that change: {', '.join(changed) or 'none'}")
-    return said
+        sentences.append(f"{name}: alpha shifts by {shift:+.2f}; verdicts that change: {', '.join(changes) or 'none'}")
+    return sentences
 
 
-def _found(model: Network, exam: Exam, neuron: JudgedAs, progress: bool) -> Characterisation:
-    return result_of(exam, neuron, _examined(exam, sums(exam, model, progress), model))
+def _result(model: AbstractNetwork, exam: Exam, neuron: JudgedAs, progress: bool) -> Characterisation:
+    return result_of(exam, neuron, _measure(exam, sums_of(exam, model, progress), model))
 
 
 @eqx.filter_jit
-def _examined(exam: Exam, sums: Sums, model: Network) -> Measured:
-    return measured(curves_of(exam, sums, model))
+def _measure(exam: Exam, sums: ExamSums, model: AbstractNetwork) -> Measurements:
+    return measure(curves_of(exam, sums, model))
 
 
-def _neuron(model: Network) -> JudgedAs:
+def _neuron(model: AbstractNetwork) -> JudgedAs:
     """By the weights of the pathways: a circuit whose ON pathway counts is meant to answer light objects."""
     for name in symbols(type(model.parameters)):
         if shape := np.shape(getattr(model.parameters, name)):
             raise ValueError(f"{name} has shape {shape}; give one model, and loop over a batch")
-    if not isinstance(model, LGMD2):
-        return "LGMD1"
-    return "LGMD1" if float(model.parameters.theta1) >= float(model.parameters.theta2) / 2 else "LGMD2"
+    return model.neuron
 
 
-def _usable(model: Network) -> Eye:
-    if not isinstance(model, Network):
+def _usable(model: AbstractNetwork) -> Eye:
+    if not isinstance(model, AbstractNetwork):
         raise ValueError(f"model is {model!r:.40}; give an LGMD2 or a Fit")
     eye = model.eye
     if eye is None:

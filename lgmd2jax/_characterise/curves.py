@@ -11,10 +11,10 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float
 
-from lgmd2jax._characterise.exam import Exam, Sums, at_rate
+from lgmd2jax._characterise.exam import Exam, ExamSums, at_rate
 from lgmd2jax._characterise.extremes import largest
 from lgmd2jax._characterise.trials import REFERENCE, textured
-from lgmd2jax._network.abstract import Network, channels
+from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._signals import vertex
 
 _REST_MS = 200.0  # last part of the lead-in, whose mean is rest
@@ -40,7 +40,7 @@ class Stack:
 
     def between(self, start, stop) -> Mask:
         """From `start` to before `stop`, in ms, one number or one a trial."""
-        start, stop = (np.broadcast_to(np.asarray(it), self.begin.shape)[:, None] for it in (start, stop))
+        start, stop = (np.broadcast_to(np.asarray(limit), self.begin.shape)[:, None] for limit in (start, stop))
         real = np.arange(self.time.shape[1]) < np.array(self.counts)[:, None]
         return (self.time >= start) & (self.time < stop) & real
 
@@ -74,48 +74,48 @@ class Curves(eqx.Module):
     def __call__(self, *names: str, channel: Channel = "adapted") -> Stack:
         """The curves of the named trials; one frame rate."""
         trials, curves = [self.exam.trial(name) for name in names], getattr(self, channel)
-        time = [trial.time for trial in trials]
-        longest = max(len(it) for it in time)
+        times = [trial.time for trial in trials]
+        longest = max(map(len, times))
         rows = [curves[g][i] for g, i in (self.exam.places[name] for name in names)]
         return Stack(
             jnp.stack([jnp.pad(row, (0, longest - len(row)), mode="edge") for row in rows]),
-            np.stack([np.pad(it, (0, longest - len(it)), mode="edge") for it in time]),
+            np.stack([np.pad(time, (0, longest - len(time)), mode="edge") for time in times]),
             np.array([trial.begin for trial in trials]),
             np.array([trial.end for trial in trials]),
-            tuple(len(it) for it in time),
+            tuple(map(len, times)),
             1000 / trials[0].fps,
         )
 
 
-def curves_of(exam: Exam, sums: Sums, model: Network) -> Curves:
-    """The cell stage. It maps over the cell's parameters: pixels are not looked at again."""
+def curves_of(exam: Exam, sums: ExamSums, model: AbstractNetwork) -> Curves:
+    """The cell stage. It maps over the cell's parameters, and needs no pixels for it."""
     smp, smp_adapted = [], []
-    for group, (mp, f) in zip(exam.groups, sums, strict=True):
+    for group, of_group in zip(exam.groups, sums, strict=True):
         own, interval = at_rate(model, exam, group[0].fps), jnp.asarray(1000 / group[0].fps, dtype=float)
-        found = jax.vmap(partial(channels, own, interval=interval, pixels=exam.eye.rows * exam.eye.cols))(mp, f)
-        smp.append(found["smp"])
-        smp_adapted.append(found["smp_adapted"])
-    return normalised(exam, smp, smp_adapted)
+        response = jax.vmap(partial(own.respond, interval=interval, pixels=exam.eye.rows * exam.eye.cols))(of_group)
+        smp.append(response.smp)
+        smp_adapted.append(response.smp_adapted)
+    return normalise(exam, smp, smp_adapted)
 
 
-def normalised(
+def normalise(
     exam: Exam, smp: Sequence[Float[Array, "_trial _time"]], smp_adapted: Sequence[Float[Array, "_trial _time"]]
 ) -> Curves:
     """Curves of both channels, a group after the other, above rest and in units of their reference."""
-    adapted, unadapted = (tuple(map(_above_rest, exam.groups, it)) for it in (smp_adapted, smp))
+    adapted, unadapted = (tuple(map(_above_rest, exam.groups, channel)) for channel in (smp_adapted, smp))
     raw = Curves(exam, adapted, unadapted, {})
     references = {}
     for scene, name in ((False, REFERENCE), (True, textured(REFERENCE))):
         if name in exam.places:
             references[scene] = top(raw, name)[0]
 
-    def scaled(curves):
+    def in_references(curves):
         return tuple(
             curve / jnp.stack([_enough(references[trial.textured]) for trial in group])[:, None]
             for group, curve in zip(exam.groups, curves, strict=True)
         )
 
-    return Curves(exam, scaled(adapted), scaled(unadapted), references)
+    return Curves(exam, in_references(adapted), in_references(unadapted), references)
 
 
 def _enough(reference):
@@ -133,9 +133,9 @@ def highest(stack: Stack, mask: Mask) -> Values:
     return largest(jnp.where(mask, stack.values, -jnp.inf), axis=1)
 
 
-def top(it: Curves, *names: str, channel: Channel = "adapted") -> Values:
+def top(curves: Curves, *names: str, channel: Channel = "adapted") -> Values:
     """The peaks of R during the motion."""
-    stack = it(*names, channel=channel)
+    stack = curves(*names, channel=channel)
     return highest(stack, stack.motion)
 
 
@@ -206,8 +206,8 @@ def _run(stack: Stack, values, i, level, beyond=0.0):
 
     def crossing(outer, inner, edge):
         u, v, time = _at(values, outer), _at(values, inner), _at(stack.time, inner)
-        known = jnp.isfinite(u) & (outer != edge)
-        part = jnp.where(known, (v - level) / jnp.where(known & (v != u), v - u, 1), 0)
+        crosses = jnp.isfinite(u) & (outer != edge)
+        part = jnp.where(crosses, (v - level) / jnp.where(crosses & (v != u), v - u, 1), 0)
         return time + jnp.sign(outer - inner) * (stack.frame * part + jnp.where(outer == edge, beyond, 0))
 
     return crossing(low, low + 1, -1), crossing(high, high - 1, size), high - low - 1

@@ -7,16 +7,16 @@ from collections.abc import Iterator
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Float
 from tqdm import tqdm
 
 from lgmd2jax._characterise.trials import Trial, all_trials
 from lgmd2jax._eye import Eye
-from lgmd2jax._network.abstract import Network, potentials
-from lgmd2jax._network.frame_rate import at_frame_rate
+from lgmd2jax._network.abstract import AbstractNetwork
+from lgmd2jax._network.stages import Sums
+from lgmd2jax._network.variants import at_frame_rate
 
-# MP and F of each group of trials: all that the cell sees.
-Sums = tuple[tuple[Float[Array, "_trial _time"], Float[Array, "_trial _time"]], ...]
+ExamSums = tuple[Sums, ...]  # MP and F of each group of trials: all that reaches the cell
 
 
 @dataclasses.dataclass(frozen=True)
@@ -54,7 +54,7 @@ class Exam:
         return {}
 
     def frames(self, trial: Trial) -> Float[np.ndarray, "time row col"]:
-        """What is seen in a trial, rendered once."""
+        """What the eye sees in a trial, rendered once."""
         if trial.name not in self._frames:
             self._frames[trial.name] = trial.frames(self.eye)
         return self._frames[trial.name]
@@ -66,29 +66,29 @@ def exam_of(eye: Eye, shift: float = 0.0) -> Exam:
     return Exam(eye, shift)
 
 
-def sums(exam: Exam, model: Network, progress: bool = False) -> Sums:
+def sums_of(exam: Exam, model: AbstractNetwork, progress: bool = False) -> ExamSums:
     """MP(t) and F(t) of every trial: the pixel stage."""
     trials = [trial for group in exam.groups for trial in group]
     results = _each(exam, model, tqdm(trials, unit="stimulus", leave=False, disable=None if progress else True))
     stacked = []
     for group in exam.groups:
         mp, f = zip(*(next(results) for _ in group), strict=True)
-        stacked.append((jnp.stack(mp), jnp.stack(f)))
+        stacked.append(Sums(jnp.stack(mp), jnp.stack(f)))
     return tuple(stacked)
 
 
-def _each(exam: Exam, model: Network, trials: tqdm) -> Iterator[tuple[Array, Array]]:
+def _each(exam: Exam, model: AbstractNetwork, trials: tqdm) -> Iterator[Sums]:
     for trial in trials:
         trials.set_description(trial.name)
         frames = jnp.asarray(exam.frames(trial))
-        yield _potentials(at_rate(model, exam, trial.fps), frames, jnp.asarray(1000 / trial.fps, dtype=float))
+        yield _sums(at_rate(model, exam, trial.fps), frames, jnp.asarray(1000 / trial.fps, dtype=float))
 
 
-def at_rate(model: Network, exam: Exam, fps: float) -> Network:
+def at_rate(model: AbstractNetwork, exam: Exam, fps: float) -> AbstractNetwork:
     """The model for trials of a frame rate, the exam's or the finer one."""
     return model if fps == exam.eye.fps else at_frame_rate(dataclasses.replace(model, eye=exam.eye), fps)
 
 
 @eqx.filter_jit
-def _potentials(model: Network, frames, interval) -> tuple[Array, Array]:
-    return potentials(model, frames, interval)[:2]
+def _sums(model: AbstractNetwork, frames, interval) -> Sums:
+    return model.sums(frames, interval)[0]

@@ -6,8 +6,8 @@ from jaxtyping import Array, Float
 
 from lgmd2jax._characterise import trials
 from lgmd2jax._characterise.curves import Curves, mean, peak, top
-from lgmd2jax._characterise.rows_field import SETTLED_MS, changes_of_light
-from lgmd2jax._characterise.rows_looming import LOOMS, angles_at_peak
+from lgmd2jax._characterise.measures_field import SETTLED_MS, changes_of_light
+from lgmd2jax._characterise.measures_looming import LOOMS, angles_at_peak
 from lgmd2jax._characterise.trials import (
     CHANGES,
     CONTRASTS,
@@ -48,22 +48,22 @@ OVER: dict[str, tuple[str, tuple[float, ...] | tuple[str, ...]]] = {
 }
 
 
-def panels(it: Curves) -> dict[str, Float[Array, " _place"]]:
+def panels(curves: Curves) -> dict[str, Float[Array, " _place"]]:
     """The values of each panel; NaN for a grating that the eye does not sample."""
     gratings = []
     for name in (trials.grating(*each) for each in GRATINGS):
-        stack = it(name) if name in it.exam.places else None
+        stack = curves(name) if name in curves.exam.places else None
         gratings.append(jnp.nan if stack is None else mean(stack, stack.between(SETTLED_MS, GRATING_MS))[0])
     values = (
-        -peak(it(*LOOMS))[1],
-        angles_at_peak(it, *LOOMS, l_over_v=np.array(L_OVER_V)),
-        top(it, *LOOMS),
-        top(it, *map(trials.contrast, CONTRASTS)),
-        top(it, *map(trials.translation, SPEEDS)),
-        top(it, *(trials.translation(direction=it) for it in DIRECTIONS)),
-        top(it, *map(trials.deviating, DEVIATIONS)),
+        -peak(curves(*LOOMS))[1],
+        angles_at_peak(curves, *LOOMS, l_over_v=np.array(L_OVER_V)),
+        top(curves, *LOOMS),
+        top(curves, *map(trials.contrast, CONTRASTS)),
+        top(curves, *map(trials.translation, SPEEDS)),
+        top(curves, *(trials.translation(direction=direction) for direction in DIRECTIONS)),
+        top(curves, *map(trials.deviating, DEVIATIONS)),
         jnp.stack(gratings),
-        jnp.stack(changes_of_light.measure(it)),
-        top(it, *_OBJECTS.values()),
+        jnp.stack(changes_of_light(curves)),
+        top(curves, *_OBJECTS.values()),
     )
     return dict(zip(OVER, values, strict=True))

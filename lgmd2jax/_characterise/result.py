@@ -1,18 +1,20 @@
-"""What an exam found on one model."""
+"""What the exam measured on a model: as data, as JSON, and as text, models side by side."""
 
 import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, Literal
 
 import numpy as np
 from jaxtyping import Float
 
-from lgmd2jax._characterise.row import Row
+from lgmd2jax._characterise.row import EVIDENCE, Row
 from lgmd2jax._characterise.selectivity import UNITS, Estimate
 from lgmd2jax._eye import Eye
 
 JudgedAs = Literal["LGMD2", "LGMD1"]
+
+_LABEL, _BOUND, _COLUMN = 50, 9, 12  # widths of the table
 
 
 @dataclasses.dataclass(frozen=True)
@@ -56,7 +58,7 @@ class Finding:
             "neuron": self.row.neuron,
             "passed": self.passed,
             "remark": self.remark,
-            "holds_if": "any line holds" if self.row.any_of else "all lines hold",
+            "holds_if": self.row.holds_if,
         }
         return whole | {"lines": [{name: _finite(value) for name, value in line.items()} for line in lines]}
 
@@ -91,20 +93,18 @@ class Characterisation:
     @property
     def passed(self) -> int:
         """How many rows hold."""
-        return sum(it.passed is True for it in self.rows)
+        return sum(finding.passed is True for finding in self.rows)
 
     @property
     def judged(self) -> int:
         """How many rows have a verdict."""
-        return sum(it.passed is not None for it in self.rows)
+        return sum(finding.passed is not None for finding in self.rows)
 
     def __repr__(self):
         return self.summary()
 
     def summary(self) -> str:
         """The table."""
-        from lgmd2jax._characterise.table import table
-
         return table({"value": self})
 
     def plain(self) -> dict[str, Any]:
@@ -116,10 +116,10 @@ class Characterisation:
             "reference_textured": self.reference_textured,
             "passed": self.passed,
             "judged": self.judged,
-            "rows": [it.plain() for it in self.rows],
+            "rows": [finding.plain() for finding in self.rows],
             "selectivity": {
-                name: {"unit": UNITS[name]} | {part: _finite(value) for part, value in it._asdict().items()}
-                for name, it in self.selectivity.items()
+                name: {"unit": UNITS[name]} | {part: _finite(value) for part, value in estimate._asdict().items()}
+                for name, estimate in self.selectivity.items()
             },
             "panels": {name: [_finite(float(value)) for value in values] for name, values in self.panels.items()},
         }
@@ -127,3 +127,57 @@ class Characterisation:
 
 def _finite(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def table(models: Mapping[str, Characterisation]) -> str:
+    """Rows with their verdicts, lines with their values, and the summary of selectivity; a column for each model."""
+    return "\n".join(_lines(models)).rstrip()
+
+
+def _lines(models: Mapping[str, Characterisation]) -> Iterator[str]:
+    results, wide = list(models.values()), max(_COLUMN, *map(len, models))
+
+    def line(label: str, cells: Iterable[str], bound: str = "", evidence: str = "") -> str:
+        return f"{label:<{_LABEL}} {bound:>{_BOUND}} {evidence:<10}" + "".join(f"  {cell:>{wide}}" for cell in cells)
+
+    yield line("property", models, "bound", "[evidence]")
+    yield "-" * (_LABEL + _BOUND + 11 + (wide + 2) * len(results))
+    for findings in zip(*(result.rows for result in results), strict=True):
+        row = findings[0].row
+        target = " (LGMD2)" if row.neuron == "LGMD2" else ""
+        yield line(f"{row.number:2} {row.name}{target}", (finding.verdict for finding in findings))
+        for i, each in enumerate(row.lines):
+            label = f"     {each.label}" + (f", {each.unit}" if each.unit else "")
+            evidence = "".join(f"[{letter}]" for letter in each.evidence) if each.judged else ""
+            yield line(label, (number(finding.values[i]) for finding in findings), each.bound, evidence)
+    yield ""
+    yield line("properties that hold, of those judged", (f"{result.passed} of {result.judged}" for result in results))
+    reference = "R = 1: peak of the dark loom at 40 ms, SMP"
+    yield line(reference, (number(result.reference) for result in results), ">= 0.05")
+    yield line("     textured", (number(result.reference_textured) for result in results), ">= 0.05")
+    yield line("judged as", (result.neuron for result in results))
+    yield line("eye", (f"{result.eye.rows} x {result.eye.cols}" for result in results))
+    yield line("     degrees a pixel", (f"{result.eye.degrees_per_pixel:g}" for result in results))
+    yield line("     frames per second", (f"{result.eye.fps:g}" for result in results))
+    yield ""
+    have_intervals = any(_interval(estimate) for result in results for estimate in result.selectivity.values())
+    yield "selectivity" + (" (interval at 95 %)" if have_intervals else "")
+    for name, unit in UNITS.items():
+        estimates = [result.selectivity[name] for result in results]
+        label = f"     {name}" + ("" if unit == "1" else f", {unit}")
+        yield line(label, (number(estimate.value) for estimate in estimates))
+        if have_intervals:
+            yield line("", map(_interval, estimates))
+    yield ""
+    yield "evidence: " + "; ".join(f"[{letter}] {meaning}" for letter, meaning in EVIDENCE.items())
+
+
+def number(value: float) -> str:
+    """Three digits; a dash for what was not to be measured."""
+    if math.isnan(value):
+        return "-"
+    return f"{0.0 if abs(value) < 5e-5 else value:.3g}"
+
+
+def _interval(estimate: Estimate) -> str:
+    return "" if math.isnan(estimate.low) else f"{number(estimate.low)}..{number(estimate.high)}"

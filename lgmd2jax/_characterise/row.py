@@ -1,7 +1,9 @@
-"""What a row of the exam is: lines, each a value with its bounds, read from curves."""
+"""What a row of the exam is: a response property, told by lines, each a value with its bounds, read from curves."""
 
 import dataclasses
+import functools
 import math
+import operator
 from collections.abc import Callable, Iterable, Sequence
 from typing import Literal
 
@@ -48,36 +50,30 @@ class Line:
             return f">= {self.low:g}"
         return f"<= {self.high:g}" if math.isfinite(self.high) else ""
 
+    def holds(self, value: Array | np.floating | float) -> Array | np.bool_ | bool:
+        """Whether a value lies within the bounds; NaN does not."""
+        return (value >= self.low) & (value <= self.high)
+
 
 @dataclasses.dataclass(frozen=True)
 class Row:
-    """A response property: it holds where all of its lines do, or any of them."""
+    """A response property.
+
+    - `definition`: what is measured, for users.
+    - `measure`: reads the values of the lines from curves.
+    - `neuron`: which neuron has the property.
+    - `holds_if`: which of the lines must hold.
+    """
 
     number: int
     name: str
     definition: str
-    lines: tuple[Line, ...]
     measure: Callable[[Curves], Sequence[Float[Array, ""]]]
+    lines: tuple[Line, ...]
     neuron: Neuron = "any LGMD"
-    any_of: bool = False
+    holds_if: Literal["all lines hold", "any line holds"] = "all lines hold"
 
-    def passed(self, values: Iterable) -> Array | np.bool_:
-        """Whether these values of the lines hold; NaN holds nowhere."""
-        held = [
-            (value >= line.low) & (value <= line.high)
-            for line, value in zip(self.lines, values, strict=True)
-            if line.judged
-        ]
-        total = held[0]
-        for one in held[1:]:
-            total = total | one if self.any_of else total & one
-        return total
-
-
-def row(number: int, name: str, *lines: Line, neuron: Neuron = "any LGMD", any_of: bool = False):
-    """Make a row of the function that reads the values of its lines from curves; its docstring is the definition."""
-
-    def made(measure: Callable[[Curves], Sequence[Float[Array, ""]]]) -> Row:
-        return Row(number, name, (measure.__doc__ or "").strip(), lines, measure, neuron, any_of)
-
-    return made
+    def holds(self, values: Iterable) -> Array | np.bool_ | bool:
+        """Whether the property holds by these values of the lines; NaN holds nowhere."""
+        verdicts = [line.holds(value) for line, value in zip(self.lines, values, strict=True) if line.judged]
+        return functools.reduce(operator.or_ if self.holds_if == "any line holds" else operator.and_, verdicts)

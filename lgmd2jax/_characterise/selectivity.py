@@ -12,9 +12,9 @@ from jaxtyping import Array, Float, Key
 
 from lgmd2jax._characterise import trials
 from lgmd2jax._characterise.curves import Curves, curves_of, integral, top
-from lgmd2jax._characterise.exam import Exam, sums
-from lgmd2jax._characterise.rows_looming import LOOMS, law_of_peaks
-from lgmd2jax._characterise.rows_selectivity import index
+from lgmd2jax._characterise.exam import Exam, sums_of
+from lgmd2jax._characterise.measures_looming import LOOMS, law_of_peaks
+from lgmd2jax._characterise.measures_selectivity import index
 from lgmd2jax._characterise.trials import LIGHT_LOOM, RECESSION, REFERENCE
 from lgmd2jax._eye import Eye
 from lgmd2jax.fitting import Fit
@@ -28,7 +28,7 @@ UNITS = {
     "delta": "ms",
     "threshold angle": "deg",
 }
-_SEEN = (*LOOMS, LIGHT_LOOM, RECESSION, trials.translation())
+_TRIALS = (*LOOMS, LIGHT_LOOM, RECESSION, trials.translation())
 _DRAWS = 100
 _CONFIDENCE = 0.95
 
@@ -41,16 +41,16 @@ class Estimate(NamedTuple):
     high: float = math.nan
 
 
-def selectivity(it: Curves) -> dict[str, Float[Array, ""]]:
+def selectivity(curves: Curves) -> dict[str, Float[Array, ""]]:
     """The six numbers of one model.
 
     Approach/recession and dark/light: (a - b)/(a + b) of the time integrals of R at 40 ms. Looming/translation: ratio
     of the peaks, a disc of 10 degrees at 60 deg/s being what translates; infinite where that leaves the cell at rest.
     alpha, delta: of the line of peak times, from which 2 atan(1/alpha) is the threshold angle.
     """
-    dark, light, away = integral(it(REFERENCE, LIGHT_LOOM, RECESSION))
-    alpha, delta = law_of_peaks(it)
-    loom, across = (jnp.maximum(top(it, name)[0], 0) for name in (REFERENCE, trials.translation()))
+    dark, light, away = integral(curves(REFERENCE, LIGHT_LOOM, RECESSION))
+    alpha, delta = law_of_peaks(curves)
+    loom, across = (jnp.maximum(top(curves, name)[0], 0) for name in (REFERENCE, trials.translation()))
     values = (
         index(dark, away),
         index(dark, light),
@@ -69,16 +69,16 @@ def intervals(fit: Fit, eye: Eye, key: Key[Array, ""], draws: int = _DRAWS) -> d
     leave open they have the variance of a value that may lie anywhere between its bounds. Drawing is right for a
     network with hard thresholds too, where slopes are not.
     """
-    u, exam = fit.uncertainty, Exam(eye, only=_SEEN)
+    u, exam = fit.uncertainty, Exam(eye, only=_TRIALS)
     reach = np.sqrt(variance_along(u))
     steps = np.asarray(jax.random.normal(key, (draws, len(reach)))) * reach
-    found = []
+    samples = []
     for z in np.clip(fit.z + steps @ u.directions.T, 0, 1):
         parameters, _ = fit.free.insert(fit.model.parameters, fit.observation, z)
         model = dataclasses.replace(fit.model, parameters=parameters)
-        found.append(jax.device_get(_selectivity(exam, sums(exam, model), model)))
+        samples.append(jax.device_get(_selectivity(exam, sums_of(exam, model), model)))
     ends = 50 * (1 - _CONFIDENCE), 50 * (1 + _CONFIDENCE)
-    return {name: _percentiles(np.array([float(it[name]) for it in found]), ends) for name in UNITS}
+    return {name: _percentiles(np.array([float(values[name]) for values in samples]), ends) for name in UNITS}
 
 
 @eqx.filter_jit
@@ -88,8 +88,8 @@ def _selectivity(exam: Exam, sums, model):
 
 def _percentiles(values: np.ndarray, ends: tuple[float, float]) -> tuple[float, float]:
     """Of what is finite, where that is most."""
-    known = values[~np.isnan(values)]
-    if len(known) < _CONFIDENCE * len(values):
+    finite = values[~np.isnan(values)]
+    if len(finite) < _CONFIDENCE * len(values):
         return math.nan, math.nan
-    low, high = np.percentile(known, ends, method="nearest")
+    low, high = np.percentile(finite, ends, method="nearest")
     return float(low), float(high)

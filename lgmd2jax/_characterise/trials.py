@@ -165,14 +165,16 @@ def _looms(fps: float, aside: float) -> Iterator[Trial]:
     for name, look in ((SQUARE, {}), (CHECKS, {"checks": 4, "check_level": 110.0})):
         # The half-side of a square as large as the disc of half-size 1.
         side = math.sqrt(math.pi) / 2
-        small, large = (2 * math.degrees(math.atan(side * math.tan(math.radians(it / 2)))) for it in (SMALL, LARGE))
+        small, large = (
+            2 * math.degrees(math.atan(side * math.tan(math.radians(angle / 2)))) for angle in (SMALL, LARGE)
+        )
         look |= {"shape": "square", "l_over_v": 40 * side, "start_angle": small, "stop_angle": large}
         yield _approach(name, fps, aside, **DARK, **look)
 
 
 def _scenes(fps: float, aside: float) -> Iterator[Trial]:
     """Light and receding objects, and approaches over a photograph."""
-    dark, light = (_textured_scene(**it) for it in (DARK, LIGHT))
+    dark, light = (_textured_scene(**look) for look in (DARK, LIGHT))
     yield _approach(LIGHT_LOOM, fps, aside, **LIGHT)
     yield _recession(RECESSION, fps, aside, **DARK)
     yield _recession(LIGHT_RECESSION, fps, aside, **LIGHT)
@@ -225,14 +227,16 @@ def _changes(fps: float) -> Iterator[Trial]:
 
 def _approach(name: str, fps: float, aside: float, **look: Any) -> Trial:
     look = _FROM_TO | look
-    begin, end = (-look["l_over_v"] / math.tan(math.radians(look[it] / 2)) for it in ("start_angle", "stop_angle"))
+    begin, end = (
+        -look["l_over_v"] / math.tan(math.radians(look[angle] / 2)) for angle in ("start_angle", "stop_angle")
+    )
     return Trial(name, functools.partial(stimuli.looming, azimuth=aside, elevation=aside, **look), begin, end, fps)
 
 
 def _recession(name: str, fps: float, aside: float, **look: Any) -> Trial:
-    comes = _approach(name, fps, aside)
-    turned = {"start_angle": LARGE, "stop_angle": SMALL, "azimuth": aside, "elevation": aside}
-    return Trial(name, functools.partial(stimuli.receding, **turned, **look), 0.0, comes.end - comes.begin, fps)
+    loom = _approach(name, fps, aside)
+    backwards = {"start_angle": LARGE, "stop_angle": SMALL, "azimuth": aside, "elevation": aside}
+    return Trial(name, functools.partial(stimuli.receding, **backwards, **look), 0.0, loom.end - loom.begin, fps)
 
 
 def _crossing(name: str, fps: float, aside: float, *, speed: float = 60.0, **look: Any) -> Trial:

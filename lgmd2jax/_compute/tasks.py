@@ -24,12 +24,14 @@ Task = Callable[[int, Stop], Result]
 class Work:
     """Runs tasks in threads (what XLA computes does not hold Python's lock), or on the workers of a Dask cluster.
 
-    After Ctrl-C `stop` is set, tasks that have not begun are dropped, and what is done is returned.
+    After Ctrl-C `stop` is set, tasks that have not begun are dropped, and the results that there are are returned. If
+    there are none at all, the `KeyboardInterrupt` goes on.
     """
 
     def __init__(self, memory: Memory, progress: bool, client: "Client | None" = None):
         self.memory, self.stop, self.best = memory, threading.Event(), float("inf")
         self.client = None if client is None else checked_client(client)
+        self._results = 0
         self._bar = tqdm(disable=not progress, unit="start", leave=False)
 
     def __enter__(self):
@@ -43,15 +45,19 @@ class Work:
 
         **Arguments:** `task` returns plain data with a `loss`; for a cluster it is to be pickled. `first` compiles: in
         threads it is called once, alone, where something is left to be done.
+
+        **Raises:** `KeyboardInterrupt` where Ctrl-C came before any task was finished.
         """
         numbers = list(numbers)
-        done = {i: self.memory[f"{kind} {i}"] for i in numbers if f"{kind} {i}" in self.memory}
+        results = {i: self.memory[f"{kind} {i}"] for i in numbers if f"{kind} {i}" in self.memory}
+        self._results += len(results)
         self._bar.reset(total=len(numbers))
         self._bar.set_description(kind)
-        self._bar.update(len(done))
+        self._bar.update(len(results))
 
         def keep(number: int, result: Result) -> None:
-            done[number] = result
+            results[number] = result
+            self._results += 1
             if not self.stop.is_set():  # else it may have been cut short
                 self.memory[f"{kind} {number}"] = result
             if result["loss"] < self.best:
@@ -59,8 +65,9 @@ class Work:
                 self._bar.set_postfix_str(f"best loss {self.best:.4g} of start {number}")
             self._bar.update()
 
-        left = [] if self.stop.is_set() else [i for i in numbers if i not in done]
+        left = [] if self.stop.is_set() else [i for i in numbers if i not in results]
         futures: dict[Future, int] = {}
+        interrupt = None
         with self._pool(task) as submit:
             try:
                 if left and self.client is None:
@@ -68,14 +75,17 @@ class Work:
                 futures = {submit(number): number for number in left}
                 for future in as_completed(futures):
                     keep(futures[future], future.result())
-            except KeyboardInterrupt:
+            except KeyboardInterrupt as pressed:
+                interrupt = pressed
                 self.stop.set()
                 for future in futures:
                     future.cancel()
         for future, number in futures.items():
-            if number not in done and future.done() and not future.cancelled():
+            if number not in results and future.done() and not future.cancelled():
                 keep(number, future.result())
-        return {i: done[i] for i in numbers if i in done}
+        if interrupt is not None and not self._results:
+            raise interrupt
+        return {i: results[i] for i in numbers if i in results}
 
     @contextlib.contextmanager
     def _pool(self, task: Task) -> Iterator[Callable[[int], Future]]:

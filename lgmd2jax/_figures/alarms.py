@@ -9,7 +9,7 @@ from matplotlib.patches import Patch
 
 from lgmd2jax._figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, drawn
 from lgmd2jax._signals import stretches
-from lgmd2jax.alarms import Footage, Verdict, Watch
+from lgmd2jax.alarms import Evaluation, LabelledClip, Verdict
 from lgmd2jax.alarms._report import headline
 
 _LINES = 30  # clips at most
@@ -17,7 +17,7 @@ _WORST, _PICTURES = 4, 5
 _STEPS = 200
 
 
-def clips_figure(path: str | os.PathLike, watch: Watch, name: str) -> None:
+def clips_figure(path: str | os.PathLike, watch: Evaluation, name: str) -> None:
     """A line for each clip, least margin first: where an alarm is wanted, where silence, and where it was raised."""
     rows = _by_margin(watch)[:_LINES]
     with drawn(path, 9, 1.4 + 0.24 * len(rows)) as figure:
@@ -62,7 +62,7 @@ def clips_figure(path: str | os.PathLike, watch: Watch, name: str) -> None:
         figure.suptitle(f"{name}: {headline(watch)}{few}")
 
 
-def operating_figure(path: str | os.PathLike, watch: Watch) -> None:
+def operating_figure(path: str | os.PathLike, watch: Evaluation) -> None:
     """Hits against false alarms over all T_sp, both over T_sp itself, and how long before contact the alarm came."""
     highest = max(float(trace.max(initial=0.5)) for trace in watch.evidence)
     thresholds = np.linspace(0.5, min(highest + 0.02, 1.0), _STEPS)
@@ -86,7 +86,7 @@ def operating_figure(path: str | os.PathLike, watch: Watch) -> None:
         lead.set(xlabel="first alarm before contact (ms)", ylabel="windows")
 
 
-def worst_figure(path: str | os.PathLike, watch: Watch) -> None:
+def worst_figure(path: str | os.PathLike, watch: Evaluation) -> None:
     """The clips of least margin: what is seen, and the evidence for an alarm with T_sp."""
     rows = _by_margin(watch)[:_WORST]
     with drawn(path, 10, 2.9 * len(rows)) as figure:
@@ -117,18 +117,18 @@ def worst_figure(path: str | os.PathLike, watch: Watch) -> None:
                 axes.set_xlabel("time (s); green: an alarm is wanted, grey: silence; dashed: T_sp")
 
 
-def _by_margin(watch: Watch) -> list[tuple[Footage, np.ndarray, Verdict]]:
+def _by_margin(watch: Evaluation) -> list[tuple[LabelledClip, np.ndarray, Verdict]]:
     rows = list(zip(watch.clips, watch.evidence, watch.verdicts(), strict=True))
     return sorted(rows, key=lambda row: (row[2].right, np.nan_to_num(row[2].margin, nan=np.inf)))
 
 
-def _bars(axes: Axes, clip: Footage, on: np.ndarray, y: int, colour: str, alpha: float, height: float) -> None:
+def _bars(axes: Axes, clip: LabelledClip, on: np.ndarray, y: int, colour: str, alpha: float, height: float) -> None:
     half = 500 / clip.fps
     spans = [((clip.time[a] - half) / 1000, (clip.time[b] - clip.time[a] + 2 * half) / 1000) for a, b in stretches(on)]
     axes.broken_barh(spans, (y - height / 2, height), color=colour, alpha=alpha, linewidth=0)
 
 
-def _moments(clip: Footage, trace: np.ndarray) -> np.ndarray:
+def _moments(clip: LabelledClip, trace: np.ndarray) -> np.ndarray:
     """Frames that tell the story: evenly spread, with the one of the strongest evidence that is judged."""
     places = np.linspace(0, len(trace) - 1, _PICTURES).round().astype(int)
     judged = clip.in_silence() | clip.in_windows().any(axis=0)

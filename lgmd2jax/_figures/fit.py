@@ -10,10 +10,8 @@ from matplotlib.ticker import MaxNLocator
 
 from lgmd2jax._channels import TARGETS, Channel
 from lgmd2jax._figures.style import BLACK, BLUE, GREY, VERMILION, drawn
-from lgmd2jax.fitting import Curve, Fit, Run
+from lgmd2jax.fitting import Curve, Fit, Run, Uncertainty
 from lgmd2jax.fitting._curve import DISAGREEMENT
-from lgmd2jax.fitting._report import status
-from lgmd2jax.fitting._uncertainty.covariance import Uncertainty
 
 _HEIGHTS = {"rate": 1.9, "smp_adapted": 1.5, "smp": 1.5, "spikes": 0.9}  # of a panel, in inches
 _COLUMNS = 5  # at most
@@ -137,7 +135,7 @@ def _quality(curve: Curve) -> str:
 def diagnostics_figure(path: str | os.PathLike, fit: Fit) -> None:
     """How the fit was found, how well it is determined, and whether soft and hard agree."""
     with drawn(path, 13, 7.3) as figure:
-        figure.suptitle(textwrap.fill(" | ".join(status(fit)), 130))
+        figure.suptitle(textwrap.fill(" | ".join(fit.status), 130))
         ((left, right),) = figure.subfigures(1, 2, squeeze=False, width_ratios=(2.7, 1))
         above, below = left.subfigures(2, 1, height_ratios=(1, 1.25))
         screened, descended, history = above.subplots(1, 3, width_ratios=(1, 0.7, 1.4))
@@ -160,7 +158,7 @@ def _waterfall(screened: Axes, descended: Axes, fit: Fit) -> None:
     descended.vlines(ranks, np.maximum(ends, floor), np.maximum(starts, floor), color=GREY, linewidth=1)
     descended.plot(ranks, np.maximum(starts, floor), "o", color=GREY, markerfacecolor="white", label="start")
     descended.plot(ranks, np.maximum(ends, floor), "o", color=VERMILION, label="end")
-    descended.set(title=f"best found {fit.found} of {len(ends)} times", xlabel="descent")
+    descended.set(title=f"best found {fit.best_count} of {len(ends)} times", xlabel="descent")
     descended.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
     descended.legend()
     descended.sharey(screened)

@@ -1,4 +1,4 @@
-"""The hand-over file model.json: what leaves the library for a robot. Its format is read, and checked, by `hard.py`."""
+"""The hand-over file model.json: what leaves the library for a robot. Its form is checked by `hard.py`."""
 
 import dataclasses
 import json
@@ -7,77 +7,149 @@ import os
 import re
 from collections.abc import Mapping
 from importlib.metadata import version
+from typing import Any
 
 import numpy as np
 
 from lgmd2jax import hard
 from lgmd2jax._eye import Eye
 from lgmd2jax._files.atomic import replaced
+from lgmd2jax._handover.networks import NETWORKS
+from lgmd2jax._handover.response_vector import response_vector
 from lgmd2jax._handover.test_vector import make_test_vector
-from lgmd2jax._network.abstract import Network
+from lgmd2jax._network.abstract import AbstractNetwork, parameters_of
 from lgmd2jax._network.lgmd2 import LGMD2
-from lgmd2jax._network.parameters import Parameters, symbols
+from lgmd2jax._network.parameter_set import declared
+from lgmd2jax._network.structure import structure_fields, structure_of
+from lgmd2jax._network.thresholds import Hard
+from lgmd2jax._words import nearest
 
 Plain = str | int | float | bool
 
 
-def save(model: Network, path: str | os.PathLike, provenance: Mapping[str, Plain] | None = None) -> None:
+def save(model: AbstractNetwork, path: str | os.PathLike, provenance: Mapping[str, Plain] | None = None) -> None:
     """Write the hand-over file: the parameters, for hard thresholds, with structure, eye, version and a test vector.
 
     Equal models give equal files. A number is written as shortly as its precision allows. Finding a test vector that
-    suits the parameters takes about a second.
+    suits the parameters takes about a second. A network of your own is written by the name of its class.
 
     **Arguments:** `provenance` is what else the file says of its origin, by name: text, numbers, truth values. Leave
     out what differs between two runs of the same fit, such as the time.
 
-    **Raises:** `ValueError` for a batch of models, for another than an `LGMD2` and for other provenance, `OSError`
-    where the file cannot be written.
+    **Raises:** `ValueError` for a batch of models and for other provenance, `OSError` where the file cannot be written.
     """
-    model = handed_over(model)
-    parameters = {}
-    for name in symbols():
-        leaf = np.asarray(getattr(model.parameters, name))
-        if leaf.shape != ():
-            raise ValueError(f"{name} has shape {leaf.shape}; a hand-over file holds one model: pick one of the batch")
-        parameters[name] = float(str(leaf))
-    eye = None if model.eye is None else dataclasses.asdict(model.eye)
-    if eye is not None:
-        eye |= {name: float(eye[name]) for name in ("degrees_per_pixel", "fps") if eye[name] is not None}
-    structure = {"n_p": model.n_p, "low_pass": model.low_pass, "N_ts": model.N_ts}
-    content = {
-        "format": hard.FORMAT,
-        "version": hard.VERSION,
-        "parameters": parameters,
-        "structure": structure,
-        "eye": eye,
-        "provenance": {"program": f"lgmd2jax {version('lgmd2jax')}", **_plain(provenance or {})},
-        "test_vector": make_test_vector(parameters, structure, None if eye is None else eye["fps"]),
-    }
+    content = document(model, provenance)
     with replaced(path) as temporary:
         temporary.write_text(_numbers_in_rows(json.dumps(content, indent=2, allow_nan=False)) + "\n", encoding="utf-8")
 
 
-def handed_over(model: Network) -> LGMD2:
-    """The model, where a hand-over file can hold it.
+def document(model: AbstractNetwork, provenance: Mapping[str, Plain] | None = None) -> dict[str, Any]:
+    """What the hand-over file holds.
+
+    **Raises:** `ValueError` as `save`.
+    """
+    model = dataclasses.replace(model, thresholds=Hard())
+    parameters, mechanisms = _values(model)
+    eye = None if model.eye is None else dataclasses.asdict(model.eye)
+    if eye is not None:
+        eye |= {name: float(eye[name]) for name in ("degrees_per_pixel", "fps") if eye[name] is not None}
+    structure = {name: value for name, value in structure_of(model).items() if name != "mechanisms"}
+    fps = None if eye is None else eye["fps"]
+    if isinstance(model, LGMD2):
+        together = {**parameters, **{name: value for table in mechanisms.values() for name, value in table.items()}}
+        vector = make_test_vector(hard.HardLGMD2(together, mechanisms=tuple(mechanisms), **structure), fps)
+    else:
+        vector = response_vector(model, fps)
+    return {
+        "format": hard.FORMAT,
+        "version": hard.VERSION,
+        "network": type(model).__name__,
+        "parameters": parameters,
+        **({"mechanisms": mechanisms} if mechanisms else {}),
+        "structure": structure,
+        "eye": eye,
+        "provenance": {"program": f"lgmd2jax {version('lgmd2jax')}", **_plain(provenance or {})},
+        "test_vector": vector,
+    }
+
+
+def load(path: str | os.PathLike, network: type[AbstractNetwork] | None = None) -> Any:
+    """The model of a hand-over file, with hard thresholds, once its test vector has come out.
+
+    **Arguments:** `network`: the class of a network of your own; what the library has is found by its name.
+
+    **Raises:** `ValueError` that says what is wrong with the file, `OSError` where it cannot be read.
+    """
+    content = hard.read_any(path)
+    try:
+        kind = _kind(content["network"], network)
+        if kind is LGMD2:
+            return _built(kind, hard.read(path))
+        model = _built(kind, content)
+        vector = content["test_vector"]
+        response = model(np.array(vector["frames"], float), vector["fps"])
+        hard.prove(hard.Response(*(np.asarray(getattr(response, name)) for name in hard.Response._fields)), vector)
+        return model
+    except (TypeError, ValueError) as error:
+        message = str(error).removeprefix(f"{path} is not a hand-over file that can be used: ")
+        raise ValueError(f"{path} is not a hand-over file that can be used: {message}") from None
+
+
+def as_lgmd2(model: AbstractNetwork) -> LGMD2:
+    """The model, where `hard.py` can run it.
 
     **Raises:** `ValueError` for another than an `LGMD2`.
     """
     if not isinstance(model, LGMD2):
-        raise ValueError(f"the model is a {type(model).__name__}; a hand-over file, and hard.py, hold an LGMD2")
+        raise ValueError(f"the model is a {type(model).__name__}; hard.py runs the LGMD2 alone")
     return model
 
 
-def load(path: str | os.PathLike) -> LGMD2:
-    """The model of a hand-over file, with hard thresholds, once `hard.py` finds that its test vector comes out.
+def _values(model: AbstractNetwork) -> tuple[dict[str, float], dict[str, dict[str, float]]]:
+    """The parameters of the network as it always is, and those of each mechanism that it has."""
+    parameters, mechanisms = {}, {name: {} for name in structure_of(model).get("mechanisms", ())}
+    for name, symbol in declared(type(model.parameters)).items():
+        leaf = np.asarray(getattr(model.parameters, name))
+        if leaf.shape != ():
+            raise ValueError(f"{name} has shape {leaf.shape}; a hand-over file holds one model: pick one of the batch")
+        if symbol.mechanism is None:
+            parameters[name] = float(str(leaf))
+        elif symbol.mechanism in mechanisms:
+            mechanisms[symbol.mechanism][name] = float(str(leaf))
+    return parameters, mechanisms
 
-    **Raises:** `ValueError` that says what is wrong with the file, `OSError` where it cannot be read.
-    """
-    content = hard.read(path)
-    try:
-        eye = None if content["eye"] is None else Eye(**content["eye"])
-        return LGMD2(Parameters(**content["parameters"]), eye=eye, **content["structure"])
-    except (TypeError, ValueError) as error:
-        raise ValueError(f"{path} is not a hand-over file that can be used: {error}") from None
+
+def _kind(name: str, network: type[AbstractNetwork] | None) -> type[AbstractNetwork]:
+    if network is not None:
+        if network.__name__ != name:
+            raise ValueError(f"its network is {name!r}, not {network.__name__!r}")
+        return network
+    if name not in NETWORKS:
+        raise ValueError(f"its network is {name!r}; for one of your own give its class: load(path, network={name})")
+    return NETWORKS[name]
+
+
+def _built(kind: type[AbstractNetwork], content: Mapping[str, Any]) -> AbstractNetwork:
+    eye = None if content["eye"] is None else Eye(**content["eye"])
+    values, mechanisms = dict(content["parameters"]), content["mechanisms"]
+    for table in mechanisms.values():
+        values |= table
+    known = declared(parameters_of(kind))
+    for name in values:
+        if name not in known:
+            raise ValueError(f"parameter {name} is unknown; choose {nearest(name, known)}")
+    for name, symbol in known.items():
+        if name not in values and symbol.mechanism in (None, *mechanisms):
+            raise ValueError(f"parameter {name} is missing")
+        value = values.get(name, 0.0)
+        if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+            raise ValueError(f"parameter {name} is {value!r}; give a number")
+    structure = dict(content["structure"])
+    if "mechanisms" in structure_fields(kind):
+        structure["mechanisms"] = tuple(mechanisms)
+    parameters: Any = parameters_of(kind)
+    build: Any = kind
+    return build(parameters(**{name: float(value) for name, value in values.items()}), eye=eye, **structure)
 
 
 def _plain(provenance):
@@ -94,7 +166,7 @@ def _plain(provenance):
 def _numbers_in_rows(text):
     """Indented JSON with each innermost list of numbers on one line. Strings hold no line breaks, so they stay."""
 
-    def on_one_line(found):
-        return f"[{' '.join(found[1].split())}]"
+    def on_one_line(match):
+        return f"[{' '.join(match[1].split())}]"
 
     return re.sub(r'\[\n([^\[\]{}"]*)\]', on_one_line, text)

@@ -1,6 +1,5 @@
-"""How a command is told its model: by file, by shipped name or by preset, with single parameters set."""
+"""A model by name: a file, a shipped fit or a preset, with single parameters set."""
 
-import argparse
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -8,7 +7,7 @@ import equinox as eqx
 
 from lgmd2jax._files.catalogue import locate
 from lgmd2jax._handover.model_file import load
-from lgmd2jax._network.abstract import AnyNetwork, Network
+from lgmd2jax._network.abstract import AbstractNetwork, AnyNetwork
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._network.parameters import PRESETS, preset, symbols
 from lgmd2jax._network.yue_rind import YueRindLGMD1
@@ -17,19 +16,7 @@ from lgmd2jax._words import nearest
 _PRESET, _YUE_RIND = "preset:", "yue_rind"
 
 
-def add_model(parser: argparse.ArgumentParser) -> None:
-    """The arguments --model and --set."""
-    parser.add_argument(
-        "--model",
-        default="preset:lgmd2",
-        help="a hand-over file model.json, the name of a shipped fit, or preset:NAME (default: %(default)s)",
-    )
-    parser.add_argument(
-        "--set", action="append", default=[], metavar="NAME=VALUE", help="set one parameter; may be repeated"
-    )
-
-
-def model_named(name: str) -> Network:
+def model_named(name: str) -> AbstractNetwork:
     """The model of a path, of a shipped fit's bare name, or of `preset:NAME`; `preset:yue_rind` is the LGMD1.
 
     **Raises:** `ValueError` for a preset or a file that is none, `FileNotFoundError` for a file that is not there.

@@ -9,7 +9,7 @@ What excites one parameter set leaves another silent, so the clip is searched fo
 
 import copy
 import math
-from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
@@ -21,47 +21,64 @@ TOLERANCE = 1e-5  # float32 stays below 1e-6
 CLEARANCE = 3e-5
 CLIPS, UNRELATED = 160, 40  # how many are tried; after the first ones, each is a variation of the best
 FPS_WITHOUT_EYE = 30.0
-THRESHOLDS = ("T_s", "T_ffi", "T_sfa", "T_sp", "sigma_sp", "N_sp")
 
 Frames = Float[np.ndarray, "time row col"]
 Plan = Float[np.ndarray, "time 7"]
 
 
-def make_test_vector(parameters: Mapping[str, float], structure: Mapping, fps: float | None) -> dict:
+def make_test_vector(model: hard.HardLGMD2, fps: float | None) -> dict[str, Any]:
     """The test vector of a model as it stands in the hand-over file. Equal models have equal ones.
 
-    **Arguments:** `parameters` and `structure` as in the file; `fps` of the eye, None without one.
+    **Arguments:** `fps` of the eye, None without one.
     """
     fps = FPS_WITHOUT_EYE if fps is None else fps
-    trial = _search(hard.HardLGMD2(parameters, **structure), 1000 / fps)
+    trial = _search(model, 1000 / fps)
     response = {name: channel.tolist() for name, channel in trial.response._asdict().items()}
     for name in ("mp", "ffi", "smp", "smp_adapted"):
         response[name] = [float(f"{value:.9g}") for value in response[name]]
     return {"fps": fps, "tolerance": TOLERANCE, "frames": trial.frames.astype(int).tolist(), "response": response}
 
 
+def random_clip(generator: np.random.Generator) -> Frames:
+    """A clip of which nothing is known but that much changes in it, and little."""
+    texture = generator.random((FRAMES, ROWS, COLS))
+    varied, weak = generator.random(2)
+    return _clip(_random_plan(generator, varied, weak), texture)
+
+
+def _random_plan(generator: np.random.Generator, varied: float, weak: float) -> Plan:
+    """Even or varied, weak or strong."""
+    plan = varied * generator.random((FRAMES, 7)) + (1 - varied) * generator.random(7)
+    plan[:, 1:4] **= 8.0 ** (2 * weak - 1)
+    return plan
+
+
 class _Trial:
     """A clip on trial: the response to it, and what that becomes with other thresholds.
 
-    The maps of the S layer hang on no threshold, so they are computed once.
+    The maps of the S layer depend on no threshold, so they are computed once.
     """
 
     def __init__(self, model: hard.HardLGMD2, frames: Frames, interval: float):
         self.frames, self._model, self._interval = frames, copy.copy(model), interval
-        self._model._start(frames[0])
-        self._s, self._f = zip(*(self._model._pixels(frame, interval) for frame in frames), strict=True)
+        self._s, self._f = self._maps(self._model)
         self._mp = [self._model._potential(s) for s in self._s]
         self.response = self._respond({})
+
+    def _maps(self, model):
+        model._start(self.frames[0])
+        return zip(*(model._pixels(frame, self._interval) for frame in self.frames), strict=True)
 
     def _respond(self, thresholds):
         model = copy.copy(self._model)
         model.parameters = {**model.parameters, **thresholds}
         model._start(self.frames[0])
+        f = self._f
+        if "T_p" in thresholds:
+            _, f = self._maps(model)
+            model._start(self.frames[0])
         mp = [model._potential(s) for s in self._s] if "T_s" in thresholds else self._mp
-        now = (
-            model._cell(*potentials, self.frames[0].size, self._interval)
-            for potentials in zip(mp, self._f, strict=True)
-        )
+        now = (model._cell(*sums, self.frames[0].size, self._interval) for sums in zip(mp, f, strict=True))
         return hard.Response.over_time(now)
 
     def _changes(self, tolerance, name, value):
@@ -74,27 +91,34 @@ class _Trial:
         A rise of 0, at rest, is exact, so T_sfa may come close to it. N_sp is compared with whole numbers.
         """
         v = self._model.parameters
-        s, ffi = min(CLEARANCE * float(np.abs(self._s).max()), v["T_s"] / 2), CLEARANCE * v["T_ffi"]
+        s = min(CLEARANCE * float(np.abs(self._s).max()), v["T_s"] / 2)
+        relative = {name: CLEARANCE * v[name] for name in ("T_ffi", "A_ffi", "T_p") if name in v}
         shifts = {
             "T_s": (-s, s),
-            "T_ffi": (-ffi, ffi),
+            **{name: (-shift, shift) for name, shift in relative.items()},
             "T_sfa": (-min(CLEARANCE, abs(v["T_sfa"]) / 2), CLEARANCE),
             "T_sp": (-CLEARANCE, CLEARANCE),
             "sigma_sp": (-CLEARANCE, CLEARANCE),
         }
-        moved = ((name, v[name] + shift) for name, pair in shifts.items() for shift in pair)
+        moved = ((name, v[name] + shift) for name in self._thresholds() if name in shifts for shift in shifts[name])
         return not any(self._changes(TOLERANCE / 10, name, value) for name, value in moved)
 
     def branches(self) -> list[tuple[str, float]]:
         """The branches that are exercised, of two at each threshold: the response changes where one is forbidden."""
         return self._shown(
-            (name, end) for name in THRESHOLDS for end in (0.0 if name == "sigma_sp" else -math.inf, math.inf)
+            (name, end) for name in self._thresholds() for end in (0.0 if name == "sigma_sp" else -math.inf, math.inf)
         )
 
     def neighbours(self) -> list[tuple[str, float]]:
         """The neighbouring thresholds with which the response changes."""
-        v, factors = self._model.parameters, dict.fromkeys(THRESHOLDS, 1.25) | {"T_sfa": 10.0}
+        v, factors = self._model.parameters, dict.fromkeys(self._thresholds(), 1.25) | {"T_sfa": 10.0}
         return self._shown((name, v[name] * by) for name, factor in factors.items() for by in (factor, 1 / factor))
+
+    def _thresholds(self):
+        """Those at which something jumps: the shunt has none, and what codes size has its own."""
+        size, shunt = "size" in self._model.mechanisms, "shunt" in self._model.mechanisms
+        inhibition = () if shunt else ("A_ffi",) if size else ("T_ffi",)
+        return ("T_s", *inhibition, *(("T_p",) if size else ()), "T_sfa", "T_sp", "sigma_sp", "N_sp")
 
     def _shown(self, thresholds):
         return [(name, value) for name, value in thresholds if self._changes(TOLERANCE, name, value)]
@@ -113,10 +137,8 @@ def _search(model: hard.HardLGMD2, interval: float) -> _Trial:
     first = (0, 0), _Trial(model, _clip(still, texture), interval), still
     best = {}
     for number in range(CLIPS):
-        # Even or varied, weak or strong: what excites the set is not known beforehand.
-        varied, weak = generator.random(2)
-        plan = varied * generator.random(still.shape) + (1 - varied) * generator.random(7)
-        plan[:, 1:4] **= 8.0 ** (2 * weak - 1)
+        # What excites the set is not known beforehand.
+        plan = _random_plan(generator, *generator.random(2))
         if number >= UNRELATED:
             start, end = np.sort(generator.integers(0, FRAMES + 1, 2))
             bases = list({id(entry): entry for entry in best.values()}.values()) or [first]

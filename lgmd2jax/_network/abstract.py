@@ -2,101 +2,116 @@
 
 import abc
 import dataclasses
+import functools
+import typing
 import warnings
-from collections.abc import Callable
-from typing import Any, ClassVar, TypeVar
+from collections.abc import Mapping
+from typing import Any, Literal, TypeVar
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, Real
+from jaxtyping import Array, Bool, Float, Real
 
 from lgmd2jax._eye import Eye
-from lgmd2jax._network import retina
-from lgmd2jax._network.parameters import check_domains, declared
+from lgmd2jax._network.parameter_set import ParameterSet, check_domains, declared
+from lgmd2jax._network.stages import AbstractCell, AbstractPixels, Interval, Record, Response, Sums
+from lgmd2jax._network.structure import structure_fields
 from lgmd2jax._network.thresholds import Thresholds
-from lgmd2jax._types import Map, Number, Scalar, cast, is_concrete
+from lgmd2jax._types import Number, cast, is_concrete
+
+Neuron = Literal["LGMD2", "LGMD1"]
 
 
 class State(eqx.Module):
-    """All that a network keeps from one frame to the next."""
+    """All that a network keeps from one frame to the next. `shape`: (row, col) of its frames."""
 
     pixels: Any
     cell: Any
+    shape: tuple[int, int] = eqx.field(static=True)
 
 
-class Response(eqx.Module):
-    """What the cell does, a value a frame (scalars from `LGMD2.step`).
+class AbstractNetwork(eqx.Module):
+    """A network in two stages: pixels, of which two sums a frame are left, and the cell, which sees only these.
 
-    - `mp`: summed potential MP, in grey levels (eq. 11).
-    - `ffi`: delayed feed-forward inhibition Fbar, in grey levels (eq. 14).
-    - `smp`: sigmoid membrane potential U, in [.5, 1), before adaptation (eq. 12).
-    - `smp_adapted`: U' after spike-frequency adaptation (eq. 15).
-    - `spikes`: spikes in this frame, 0 to 2 (eq. 16); fractional between thresholds that are soft.
-    - `collision`: the alarm, 0 or 1 (eq. 17); fractional likewise.
-    - `recorded`: what the `record` function returned, with time as the first axis; None without one.
+    One definition of each stage serves a clip, a stream, and fits, which keep the sums while only the cell changes.
+    `LGMD2` and `YueRindLGMD1` are two. One of your own is a subclass with these fields and properties:
+
+    - `parameters`: of a `ParameterSet` of its own, whose fields declare unit, domain, bounds, stage and what becomes of
+      them at another frame rate.
+    - `thresholds`: `Hard()`, `Soft(temperature)` or `StraightThrough(temperature)`.
+    - `eye`: the sampling that the parameters belong to, or None.
+    - `pixels`, `cell`: the stages, an `AbstractPixels` and an `AbstractCell`, made from the fields.
+    - `ablations`: by name, the values of parameters or of other fields that take a mechanism out.
+    - `unused`: the parameters that act on nothing in this structure; a fit refuses to free them.
+    - `neuron`: as which neuron the 22 properties judge it; any LGMD unless it says otherwise.
+    - `conflicts`: what is wrong with parameters that are right each by itself.
+
+    Fields that are structure, such as a number of frames, are made by `counts` or `one_of`.
+
+    **Raises:** `ValueError` for fields of another kind, and for structure that does not exist.
     """
 
-    mp: Float[Array, " *time"]
-    ffi: Float[Array, " *time"]
-    smp: Float[Array, " *time"]
-    smp_adapted: Float[Array, " *time"]
-    spikes: Float[Array, " *time"]
-    collision: Float[Array, " *time"]
-    recorded: Any = None
-
-
-Record = Callable[[Any], Any]  # from the layers of a frame to what is kept of them
-
-
-class Network(eqx.Module):
-    """A network in two stages: pixels, of which two numbers a frame are left, and the cell, which sees only these.
-
-    One definition of each stage serves a clip, a stream, and fits, which keep the pixels' numbers while only the cell
-    changes. `LGMD2` and `YueRindLGMD1` say what the stages compute.
-    """
-
-    # What the pixels need; every other parameter acts on MP(t) and F(t), which then need not be computed again.
-    pixel_parameters: ClassVar[tuple[str, ...]]
     parameters: eqx.AbstractVar[Any]  # a ParameterSet
     thresholds: eqx.AbstractVar[Thresholds]
-    n_p: eqx.AbstractVar[int]
     eye: eqx.AbstractVar[Eye | None]
 
+    @property
     @abc.abstractmethod
-    def _pixels_at_rest(self, frame: Map) -> Any:
-        """The pixels with `frame`, their `luminance`, as what was seen before."""
+    def pixels(self) -> AbstractPixels:
+        """The stage from frames to sums."""
 
+    @property
     @abc.abstractmethod
-    def _pixel_step(self, state: Any, frame: Map, interval: Scalar) -> tuple[Any, tuple[Scalar, Scalar, Any]]:
-        """The next state of the pixels; the two sums of this frame, `mp` and the mean change, and its layers."""
+    def cell(self) -> AbstractCell:
+        """The stage from sums to response."""
 
-    @abc.abstractmethod
-    def _potentials(self, frames, interval, record: Record | None) -> tuple[Array, Array, Any]:
-        """Both sums over a clip, and what was recorded."""
+    @property
+    def ablations(self) -> Mapping[str, Mapping[str, Any]]:
+        """By name, the values of parameters or of other fields that take a mechanism out."""
+        return {}
 
-    @abc.abstractmethod
-    def _cell_at_rest(self, dtype) -> Any:
-        """The cell before the first frame."""
+    @property
+    def unused(self) -> frozenset[str]:
+        """The parameters that act on nothing in this structure."""
+        return frozenset()
 
-    @abc.abstractmethod
-    def _cell_step(
-        self, state: Any, mp: Scalar, f: Scalar, parameters: Any, interval: Scalar, pixels: int
-    ) -> tuple[Any, dict[str, Scalar]]:
-        """The next state of the cell and its channels; all numbers come in the cell's precision."""
+    @property
+    def neuron(self) -> Neuron:
+        """As which neuron it is judged: one that answers dark approach alone, or any LGMD."""
+        return "LGMD1"
+
+    def conflicts(self) -> dict[str, Bool[Array, "*batch"]]:
+        """For each sentence of what parameters must not do together, whether they do."""
+        return {}
+
+    def at_interval(self, ratio: float):
+        """The network for frames that last `ratio` times as long: by what parameters and structure declare."""
+        changes = {
+            name: symbol.at_interval(getattr(self.parameters, name), ratio)
+            for name, symbol in declared(type(self.parameters)).items()
+            if symbol.per_frame != "as it is"
+        }
+        structure = {
+            name: field.at_interval(getattr(self, name), ratio) for name, field in structure_fields(type(self)).items()
+        }
+        return dataclasses.replace(self, parameters=dataclasses.replace(self.parameters, **changes), **structure)
 
     def __check_init__(self):
-        kinds: dict[str, Any] = {field.name: field.type for field in dataclasses.fields(self)}
-        for name in ("parameters", "thresholds", "eye"):
-            if not isinstance(getattr(self, name), kinds[name]):
-                raise ValueError(f"{name} is {getattr(self, name)!r}; give {kinds[name]!r}")
-        self._check_persistence()
+        kinds = {"parameters": (parameters_of(type(self)),), "thresholds": (Thresholds,), "eye": (Eye, type(None))}
+        for name, kind in kinds.items():
+            if not isinstance(getattr(self, name), kind):
+                wanted = " or ".join("None" if each is type(None) else each.__name__ for each in kind)
+                raise ValueError(f"{name} is {getattr(self, name)!r}; give {wanted}")
+        for name, structure in structure_fields(type(self)).items():
+            structure.check(name, getattr(self, name))
+        self._check_conflicts()
 
     def __repr__(self):
         thresholds = f"{type(self.thresholds).__name__}({getattr(self.thresholds, 'temperature', '')})"
-        structure = [it.name for it in dataclasses.fields(self) if it.name not in ("parameters", "thresholds")]
-        fields = ", ".join([thresholds, *(f"{name}={getattr(self, name)!r}" for name in structure)])
+        others = [field.name for field in dataclasses.fields(self) if field.name not in ("parameters", "thresholds")]
+        fields = ", ".join([thresholds, *(f"{name}={getattr(self, name)!r}" for name in others)])
         return f"{type(self).__name__}({fields},\n{self.parameters})"
 
     def __call__(
@@ -104,6 +119,7 @@ class Network(eqx.Module):
         frames: Real[Array | np.ndarray, "time row col"],
         fps: Number | None = None,
         *,
+        interval: Real[Array | np.ndarray, " time"] | None = None,
         record: Record | None = None,
         check: bool = False,
     ) -> Response:
@@ -114,21 +130,22 @@ class Network(eqx.Module):
         - `frames`: grey levels 0..255, at least 2 frames of at least 3 x 3 pixels. Pixels compute in this dtype
           (integers: in the parameters'), the cell in the promotion of it with the parameters'.
         - `fps`: frames per second, by default the eye's.
+        - `interval`: ms since the frame before, for each frame, instead of `fps`, where the clock is uneven.
         - `record`: a function of the network's layers (`Layers` or `YueRindLayers`) that returns what to keep of every
           frame. A function is compiled once, so define it outside of a loop.
         - `check`: test the values inside a traced call too, at about twice the cost.
 
         **Raises:** `ValueError` for a wrong shape, and for concrete values that are not finite or out of their domain.
         """
-        frames = _as_pixels(frames, self.parameters.k.dtype, "frames", "(time, row, col)", rank=3)
+        frames = _as_pixels(frames, self.parameters.dtype, "frames", "(time, row, col)", rank=3)
         if len(frames) < 2:
             count = "one frame" if len(frames) else "0 frames"
             raise ValueError(f"frames holds {count}; the network sees changes, so give at least 2")
-        interval = self._interval(fps)
+        lasts = self._interval(fps, interval, (len(frames),))
         check_domains(self.parameters)
-        self._check_persistence()
-        response = _respond(self, frames, interval, record)
-        return self._checked(response, interval, check)
+        self._check_conflicts()
+        response = _respond(self, frames, lasts, record)
+        return self._checked(response, lasts, check)
 
     def init(self, frame: Real[Array | np.ndarray, "row col"]) -> State:
         """The state before the first frame: at rest, with `frame` as what was seen before, L(-1).
@@ -137,8 +154,9 @@ class Network(eqx.Module):
 
         **Raises:** `ValueError` for a wrong shape.
         """
-        frame = _as_pixels(frame, self.parameters.k.dtype, "frame", "(row, col)", rank=2)
-        return State(self._pixels_at_rest(frame), self._cell_at_rest(self._cell_dtype(frame)))
+        frame = _as_pixels(frame, self.parameters.dtype, "frame", "(row, col)", rank=2)
+        rows, cols = frame.shape
+        return State(_in(self.pixels, frame.dtype).rest(frame), self._cell_for(frame).rest(), (rows, cols))
 
     def step(
         self,
@@ -159,47 +177,53 @@ class Network(eqx.Module):
 
         **Raises:** `ValueError` as for a call, and for a frame of another size than the state's.
         """
-        frame = _as_pixels(frame, self.parameters.k.dtype, "frame", "(row, col)", rank=2)
-        if frame.shape != state.pixels.luminance.shape:
-            raise ValueError(
-                f"frame has shape {frame.shape}, the state {state.pixels.luminance.shape}; start anew with init(frame)"
-            )
-        if interval is None:
-            interval = self._interval(fps)
-        elif fps is not None:
-            raise ValueError("fps and interval are both given; give the one that is known")
-        else:
-            interval = _positive(interval, "interval", "ms")
-        state, response = _advance(self, state, frame, interval, record)
-        return state, self._checked(response, interval, check)
+        frame = _as_pixels(frame, self.parameters.dtype, "frame", "(row, col)", rank=2)
+        if frame.shape != state.shape:
+            raise ValueError(f"frame has shape {frame.shape}, the state {state.shape}; start anew with init(frame)")
+        lasts = self._interval(fps, interval, ())
+        state, response = _advance(self, state, frame, lasts, record)
+        return state, self._checked(response, lasts, check)
 
-    def _cell_dtype(self, pixels: Array):
-        return jnp.result_type(pixels.dtype, self.parameters.k.dtype)
+    def sums(
+        self, frames: Float[Array, "time row col"], interval: Interval, record: Record | None = None
+    ) -> tuple[Sums, Any]:
+        """The pixel stage over a clip: MP(t), F(t) and what was recorded.
 
-    def _cell(self, state, mp, f, interval, pixels: int) -> tuple[Any, dict[str, Array]]:
+        **Arguments:** `interval` in ms, one or one a frame.
+        """
+        return _in(self.pixels, frames.dtype).over(frames, interval.astype(frames.dtype), record)
+
+    def respond(self, sums: Sums, interval: Interval, pixels: int) -> Response:
+        """The cell over a clip, from MP(t) and F(t).
+
+        **Arguments:** `interval` in ms, one or one a frame; `pixels` of a frame.
+        """
+        cell = self._cell_for(sums.mp)
+        return cell.over(*cast((sums, interval), cell.parameters.dtype), pixels)
+
+    def _cell_for(self, pixels: Array) -> AbstractCell:
         """The cell in its own precision."""
-        parameters, interval, mp, f = cast((self.parameters, interval, mp, f), self._cell_dtype(mp))
-        return self._cell_step(state, mp, f, parameters, interval, pixels)
+        return _in(self.cell, jnp.result_type(pixels.dtype, self.parameters.dtype))
 
-    def _interval(self, fps):
+    def _interval(self, fps, interval, shape: tuple[int, ...]) -> Array:
+        if interval is not None:
+            if fps is not None:
+                raise ValueError("fps and interval are both given; give the one that is known")
+            return _positive(interval, "interval", "ms", shape)
         if fps is None:
             if self.eye is None:
                 raise ValueError("fps is missing; give it, or a model with an eye")
             fps = self.eye.fps
-        interval = 1000 / _positive(fps, "fps", "frames per second")
+        interval = 1000 / _positive(fps, "fps", "frames per second", ())
         if self.eye is not None and is_concrete(fps) and abs(fps / self.eye.fps - 1) > 0.01:
             warnings.warn(f"the parameters belong to {self.eye.fps:g} frames per second, not {fps:g}", stacklevel=3)
         return interval
 
-    def _check_persistence(self):
-        if self.n_p and is_concrete(self.parameters.u):
-            with jax.ensure_compile_time_eval():
-                total = max(float(retina.persistence(u, self.n_p).sum()) for u in jnp.ravel(self.parameters.u))
-            if total >= 1:
-                raise ValueError(
-                    f"u is {self.parameters.u} with n_p = {self.n_p}: the persistence sums to {total:.3g} and is "
-                    "stable only below 1; raise u or lower n_p"
-                )
+    def _check_conflicts(self) -> None:
+        with jax.ensure_compile_time_eval():
+            for sentence, present in self.conflicts().items():
+                if is_concrete(present) and np.any(present):
+                    raise ValueError(sentence)
 
     def _checked(self, response: Response, interval, check: bool) -> Response:
         """The response, once it is clear that frames and parameters were in order.
@@ -212,46 +236,46 @@ class Network(eqx.Module):
                 raise ValueError(f"frames holds values that are not finite, first in frame {bad[0]}; mask or fill them")
         elif check:
             response = eqx.error_if(response, ~jnp.isfinite(response.ffi), "frames holds values that are not finite")
-            response = eqx.error_if(response, ~((interval > 0) & jnp.isfinite(interval)), "fps is not positive")
+            lasts = (interval > 0) & jnp.isfinite(interval)
+            response = eqx.error_if(response, ~lasts, "fps is not positive")
             for name, symbol in declared(type(self.parameters)).items():
                 outside = ~symbol.contains(getattr(self.parameters, name))
                 response = eqx.error_if(response, outside, f"{name} must lie in {symbol.domain}")
-            unstable = retina.persistence(self.parameters.u, self.n_p).sum() >= 1
-            response = eqx.error_if(response, unstable, "u is too low: the persistence sums to 1 or more")
+            for sentence, present in self.conflicts().items():
+                response = eqx.error_if(response, present, sentence)
         return response
 
 
-AnyNetwork = TypeVar("AnyNetwork", bound=Network)
+AnyNetwork = TypeVar("AnyNetwork", bound=AbstractNetwork)
+Stage = TypeVar("Stage", bound=AbstractPixels | AbstractCell)
+
+
+@functools.cache
+def parameters_of(kind: type[AbstractNetwork]) -> type[ParameterSet]:
+    """The class of a network's parameters, as its field `parameters` is annotated."""
+    return typing.get_type_hints(kind)["parameters"]
 
 
 @eqx.filter_jit
-def _respond(network: Network, frames, interval, record) -> Response:
+def _respond(network: AbstractNetwork, frames, interval, record) -> Response:
     network, interval = _opaque((network, interval))
-    mp, f, recorded = potentials(network, frames, interval, record)
-    return Response(**channels(network, mp, f, interval, frames[0].size), recorded=recorded)
-
-
-def potentials(network: Network, frames, interval, record: Record | None = None) -> tuple[Array, Array, Any]:
-    """The pixel stage over a clip: MP(t), F(t) and what was recorded."""
-    return network._potentials(frames, interval, record)
-
-
-def channels(network: Network, mp, f, interval, pixels: int) -> dict[str, Array]:
-    """The cell over a clip, from MP(t) and F(t): the channels of a `Response`."""
-
-    def step(state, sums):
-        mp, f = sums
-        return network._cell(state, mp, f, interval, pixels)
-
-    return jax.lax.scan(step, network._cell_at_rest(network._cell_dtype(mp)), (mp, f))[1]
+    sums, recorded = network.sums(frames, interval, record)
+    return dataclasses.replace(network.respond(sums, interval, frames[0].size), recorded=recorded)
 
 
 @eqx.filter_jit
-def _advance(network: Network, state: State, frame, interval, record) -> tuple[State, Response]:
+def _advance(network: AbstractNetwork, state: State, frame, interval, record) -> tuple[State, Response]:
     network, interval = _opaque((network, interval))
-    pixels, (mp, f, layers) = network._pixel_step(state.pixels, frame, interval)
-    cell, channels = network._cell(state.cell, mp, f, interval, frame.size)
-    return State(pixels, cell), Response(**channels, recorded=None if record is None else record(layers))
+    pixels, cell = _in(network.pixels, frame.dtype), network._cell_for(frame)
+    pixel_state, sums, layers = pixels.step(state.pixels, frame, interval.astype(frame.dtype))
+    cell_state, response = cell.step(state.cell, *cast((sums, interval), cell.parameters.dtype), frame.size)
+    response = dataclasses.replace(response, recorded=None if record is None else record(layers))
+    return State(pixel_state, cell_state, state.shape), response
+
+
+def _in(stage: Stage, dtype) -> Stage:
+    """The stage with its parameters in this dtype."""
+    return eqx.tree_at(lambda stage: stage.parameters, stage, cast(stage.parameters, dtype))
 
 
 def _opaque(tree):
@@ -280,8 +304,11 @@ def _as_pixels(frames, dtype, name: str, shape: str, rank: int) -> Array:
     return frames
 
 
-def _positive(value, name: str, unit: str) -> Array:
+def _positive(value, name: str, unit: str, shape: tuple[int, ...]) -> Array:
     """A strong array, so that another value does not compile again; checked where it is concrete."""
-    if isinstance(value, str) or (is_concrete(value) and not (np.ndim(value) == 0 and 0 < value < np.inf)):
-        raise ValueError(f"{name} is {value!r}; give a positive number of {unit}")
+    of = f"{shape[0]} positive numbers" if shape else "a positive number"
+    if isinstance(value, str) or np.shape(value) != shape:
+        raise ValueError(f"{name} is {value!r:.60}; give {of} of {unit}")
+    if is_concrete(value) and not np.all((np.asarray(value) > 0) & np.isfinite(value)):
+        raise ValueError(f"{name} is {value!r:.60}; give {of} of {unit}")
     return jnp.asarray(value, dtype=float)

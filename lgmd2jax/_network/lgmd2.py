@@ -1,21 +1,33 @@
-"""The LGMD2: its two stages, pixels and cell, put together as a `Network`."""
+"""The LGMD2: its two stages, pixels and cell, put together as a network."""
 
-from typing import ClassVar
+import dataclasses
+from collections.abc import Mapping
+from typing import Any
 
 import equinox as eqx
 
 from lgmd2jax._eye import Eye
-from lgmd2jax._network.abstract import Network
-from lgmd2jax._network.lobula import CellState, cell_step
+from lgmd2jax._network.abstract import AbstractNetwork, Neuron
+from lgmd2jax._network.lobula import Cell
 from lgmd2jax._network.low_pass import LOW_PASS_FORMS, LowPass
+from lgmd2jax._network.parameter_set import declared
 from lgmd2jax._network.parameters import Parameters
-from lgmd2jax._network.pixels import PixelState, Traces, pixel_step
-from lgmd2jax._network.sensitivity import potentials
+from lgmd2jax._network.pixels import Pixels
+from lgmd2jax._network.retina import unstable_persistence
+from lgmd2jax._network.structure import counts, one_of, some_of
 from lgmd2jax._network.thresholds import Hard, Thresholds
-from lgmd2jax._words import nearest
+
+MECHANISMS = ("size", "shunt", "lag", "membrane")
+ABLATIONS: Mapping[str, Mapping[str, float]] = {
+    "ffi": {"T_ffi": 1e9},
+    "sfa": {"T_sfa": -1.0, "tau3": 1e9},
+    "lateral": {"w_bias": 0.0},
+    "on": {"theta1": 0.0, "theta3": 0.0},
+    "off": {"theta2": 0.0, "theta3": 0.0},
+}
 
 
-class LGMD2(Network):
+class LGMD2(AbstractNetwork):
     """The collision-selective network of Fu, Hu & Yue, differentiable and streaming.
 
     ```python
@@ -33,37 +45,65 @@ class LGMD2(Network):
     - `n_p`: number of frames that a change of luminance persists (eq. 1).
     - `low_pass`: how the delays are discretised, `"backward_euler"` or `"exact"` (eqs 4, 14).
     - `N_ts`: number of past frames in which spikes are counted for an alarm (eq. 17).
+    - `mechanisms`: what the paper's circuit does not have, some of `"size"` (inhibition codes size: F is the share
+      of the field that changed of late, and A_ffi its threshold), `"shunt"` (inhibition divides, and the excitation
+      has an exponent), `"lag"` (the cell sees the pixels late) and `"membrane"` (the excitation is low-passed, which
+      needs the shunt).
     - `eye`: the sampling that the parameters belong to; where it is given, `fps` may be left out of a call.
 
     **Raises:** `ValueError` for structure that does not exist and for persistence that is not stable.
     """
 
-    pixel_parameters: ClassVar = ("theta1", "theta2", "theta3", "tau1", "w_bias", "sigma1", "T_s", "u")
     parameters: Parameters = eqx.field(default_factory=Parameters)
     thresholds: Thresholds = eqx.field(default_factory=Hard)
-    n_p: int = eqx.field(default=0, static=True)
-    low_pass: LowPass = eqx.field(default="backward_euler", static=True)
-    N_ts: int = eqx.field(default=4, static=True)
+    n_p: int = counts(0, "frames", least=0)
+    low_pass: LowPass = one_of("backward_euler", LOW_PASS_FORMS)
+    N_ts: int = counts(4, "frames", least=0, at_interval=lambda frames, ratio: max(round((frames + 1) / ratio) - 1, 0))
+    mechanisms: tuple[str, ...] = some_of(MECHANISMS)
     eye: Eye | None = eqx.field(default=None, static=True)
 
     def __check_init__(self):
-        for name in ("n_p", "N_ts"):
-            if not isinstance(getattr(self, name), int) or getattr(self, name) < 0:
-                raise ValueError(f"{name} is {getattr(self, name)!r}; give a whole number of frames, 0 or more")
-        if self.low_pass not in LOW_PASS_FORMS:
-            raise ValueError(f"low_pass is {self.low_pass!r}; choose {nearest(self.low_pass, LOW_PASS_FORMS)}")
+        if "membrane" in self.mechanisms and "shunt" not in self.mechanisms:
+            raise ValueError(f"mechanisms is {self.mechanisms}; a membrane needs the shunt: add 'shunt'")
 
-    def _pixels_at_rest(self, frame):
-        return PixelState(frame, Traces.rest(frame, self.n_p))
+    @property
+    def pixels(self) -> Pixels:
+        return Pixels(self.parameters, self.thresholds, self.n_p, self.low_pass, "size" in self.mechanisms)
 
-    def _pixel_step(self, state, frame, interval):
-        return pixel_step(self, state, frame, interval)
+    @property
+    def cell(self) -> Cell:
+        return Cell(self.parameters, self.thresholds, self.low_pass, self.N_ts, self.mechanisms)
 
-    def _potentials(self, frames, interval, record):
-        return potentials(self, frames, interval, record)
+    @property
+    def ablations(self) -> Mapping[str, Mapping[str, Any]]:
+        """`ABLATIONS`, and each optional mechanism that the model has; without the shunt there is no membrane."""
+        changes: dict[str, Mapping[str, Any]] = dict(ABLATIONS)
+        if "size" in self.mechanisms:
+            changes["ffi"] = {"A_ffi": 1e9}
+        for name in self.mechanisms:
+            gone = {name, "membrane"} if name == "shunt" else {name}
+            changes[name] = {"mechanisms": tuple(other for other in self.mechanisms if other not in gone)}
+        return changes
 
-    def _cell_at_rest(self, dtype):
-        return CellState.rest(self.N_ts, dtype)
+    @property
+    def unused(self) -> frozenset[str]:
+        """What belongs to mechanisms that the model does not have; T_ffi where inhibition codes size; u without n_p."""
+        unused = {
+            name for name, known in declared(Parameters).items() if known.mechanism not in (None, *self.mechanisms)
+        }
+        return frozenset(unused | ({"T_ffi"} if "size" in self.mechanisms else set()) | (set() if self.n_p else {"u"}))
 
-    def _cell_step(self, state, mp, f, parameters, interval, pixels):
-        return cell_step(state, mp, f, parameters, self.thresholds, interval, pixels, self.low_pass)
+    @property
+    def neuron(self) -> Neuron:
+        """A circuit whose ON pathway counts is meant to answer light objects."""
+        return "LGMD1" if float(self.parameters.theta1) >= float(self.parameters.theta2) / 2 else "LGMD2"
+
+    def at_interval(self, ratio: float):
+        """As of any network, but that persistence over more than one frame stays as it is."""
+        other = super().at_interval(ratio)
+        if self.n_p == 1:
+            return other
+        return dataclasses.replace(other, parameters=dataclasses.replace(other.parameters, u=self.parameters.u))
+
+    def conflicts(self):
+        return unstable_persistence(self.parameters.u, self.n_p)

@@ -3,12 +3,13 @@
 Pure functions of one frame; the delay of eq. 4 is `_low_pass.low_pass`.
 """
 
+import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from lgmd2jax._network.maps import Bordered, inside
 from lgmd2jax._network.parameters import Parameters
 from lgmd2jax._network.thresholds import Thresholds
-from lgmd2jax._types import Map
+from lgmd2jax._types import Map, Scalar
 
 
 def lateral(d: Bordered) -> Map:
@@ -37,6 +38,11 @@ def s_layer(s_on: Map, s_off: Map, parameters: Parameters) -> Map:
 def gate(s: Map, T_s: Float[Array, ""], thresholds: Thresholds) -> Map:
     """Eq. 9: S' = S where S >= T_s, else 0."""
     return s * thresholds.s(s, T_s)
+
+
+def hold(held: Map, changed: Map, tau_hold: Scalar, interval: Scalar) -> Map:
+    """Size-coding inhibition: M = a + (1 - a) lambda M, lambda = exp(-ti/tau_hold), where `changed` is a in [0, 1]."""
+    return changed + (1 - changed) * jnp.exp(-interval / tau_hold) * held
 
 
 def g_layer(s_gated: Bordered) -> Map:

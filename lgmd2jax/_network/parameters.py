@@ -1,230 +1,236 @@
-"""The parameters of the network, by the paper's symbols, and all that is known of each."""
+"""The parameters of the LGMD2 network, by the paper's symbols, and all that is known of each."""
 
-import abc
-import dataclasses
+import functools
 from collections.abc import Mapping
-from typing import Literal, NamedTuple
 
 import equinox as eqx
-import jax
-import jax.numpy as jnp
-import numpy as np
 from jaxtyping import Array, Float
 
-from lgmd2jax._types import is_concrete
+from lgmd2jax._network.parameter_set import Levels, ParameterSet, Symbol, declared, declares, scalar
 from lgmd2jax._words import nearest
 
-_TABLE_I = "Fu, Hu & Yue, Table I"
-
-
-@dataclasses.dataclass(frozen=True)
-class Symbol:
-    """What is known of one parameter.
-
-    - `meaning`: what it does, with the equation that it stands in.
-    - `unit`: `"1"` for a plain number.
-    - `domain`: the values that make sense at all, as an interval such as `"(0, inf)"`; square brackets include the end.
-    - `bounds`: the range that a fit searches by default.
-    - `source`: where default and bounds come from.
-    - `scale`: how a fit measures within the bounds; `"log"` for what is a matter of factors.
-    """
-
-    meaning: str
-    unit: str
-    domain: str
-    bounds: tuple[float, float]
-    source: str
-    scale: Literal["linear", "log"] = "linear"
-
-    @property
-    def limits(self) -> tuple[float, float]:
-        """The two ends of `domain`."""
-        low, high = self.domain[1:-1].split(",")
-        return float(low), float(high)
-
-    def contains(self, value):
-        """Whether `value`, a number or an array, lies in `domain`; it is finite then, since infinity is an open end."""
-        low, high = self.limits
-        above = value >= low if self.domain[0] == "[" else value > low
-        below = value <= high if self.domain[-1] == "]" else value < high
-        return above & below
-
-
-def _scalar(value) -> Array:
-    """A strongly typed floating scalar, so that a value never changes what is compiled."""
-    value = value if eqx.is_array(value) else np.asarray(value)
-    if value.dtype.kind not in "fiub":
-        raise ValueError(f"a parameter is {value!s}; give a number")
-    if not jnp.issubdtype(value.dtype, jnp.floating):
-        value = value.astype(float)
-    return jnp.asarray(value, dtype=jax.dtypes.canonicalize_dtype(value.dtype))
-
-
-def _symbol(
-    meaning: str,
-    unit: str,
-    domain: str,
-    bounds: tuple[float, float],
-    source: str = _TABLE_I,
-    scale: Literal["linear", "log"] = "linear",
-):
-    return {"symbol": Symbol(meaning, unit, domain, bounds, source, scale)}
-
-
-class Levels(NamedTuple):
-    """Where a curve crosses what: the SMP from which there are one, two.. spikes, the FFI that forbids them."""
-
-    spikes: tuple[float, ...]
-    ffi: float
-
-    @property
-    def by_count(self) -> dict[str, float]:
-        """The SMP from which there is `1 spike`, from which there are `2 spikes`, and so on."""
-        return {f"{count} spike{'s' * (count > 1)}": level for count, level in enumerate(self.spikes, start=1)}
-
-
-class ParameterSet(eqx.Module):
-    """Parameters of a network that declare themselves: one floating scalar each, so the whole is a pytree of leaves.
-
-    By the same symbols each has u, T_ffi, k and T_sp, and in `levels` what figures draw.
-
-    **Raises:** `ValueError` for a value outside its domain, when the value is concrete (not traced).
-    """
-
-    @property
-    @abc.abstractmethod
-    def levels(self) -> Levels:
-        """The thresholds of the cell, as figures draw them."""
-
-    def __check_init__(self):
-        for name in declared(type(self)):
-            shape = jnp.shape(getattr(self, name))
-            if shape != ():
-                kind = type(self).__name__
-                raise ValueError(
-                    f"{name} has shape {shape}; a parameter is a scalar: build a batch with "
-                    f"jax.vmap(lambda value: {kind}({name}=value))(values)"
-                )
-        check_domains(self)
-
-    def __repr__(self):
-        rows, width = [], max(map(len, declared(type(self))))
-        for name, symbol in declared(type(self)).items():
-            leaf = getattr(self, name)
-            value = f"{leaf:.6g}" if is_concrete(leaf) and np.ndim(leaf) == 0 else eqx.tree_pformat(leaf)
-            unit = "" if symbol.unit == "1" else symbol.unit
-            rows.append(f"  {name:{width}} = {value:<10} {unit:12} {symbol.meaning}")
-        return f"{type(self).__name__}(\n" + "\n".join(rows) + "\n)"
+_OURS = "; formula and bounds are this project's"
+_SIZE = "inhibition codes size: Wang, Dewell, Zhu & Gabbiani 2018; Gabbiani, Cohen & Laurent 2005" + _OURS
+_SHUNT = "multiplication by division: Keil 2011; exponentiation: Gabbiani et al. 2002" + _OURS
+_LAG = "delays of photoreceptors, lamina and synapses" + _OURS
+_MEMBRANE = "leaky membrane" + _OURS
+_declares = functools.partial(declares, source="Fu, Hu & Yue, Table I")
 
 
 class Parameters(ParameterSet):
     """The network's parameters by the paper's symbols: one floating scalar each, so the whole is a pytree of leaves.
 
-    The defaults are Table I of the paper (point values where it gives a range). `symbols()` says what each means, in
-    which unit, where it may lie and where a fit searches. For a batch of sets, build them under `jax.vmap`.
+    The defaults are Table I of the paper (point values where it gives a range). The last ones belong to mechanisms that
+    the paper's circuit does not have (`LGMD2(mechanisms=...)`); without them they act on nothing. `symbols()` says what
+    each means, in which unit, where it may lie and where a fit searches. For a batch, build them under `jax.vmap`.
 
     **Raises:** `ValueError` for a value outside its domain, when the value is concrete (not traced).
     """
 
     theta1: Float[Array, ""] = eqx.field(
         default=0.0,
-        converter=_scalar,
-        metadata=_symbol("weight of the ON pathway (eq. 8)", "1", "[0, inf)", (0.0, 0.1)),
+        converter=scalar,
+        metadata=_declares("weight of the ON pathway (eq. 8)", "1", "[0, inf)", (0.0, 0.1), stage="pixels"),
     )
     theta2: Float[Array, ""] = eqx.field(
         default=1.0,
-        converter=_scalar,
-        metadata=_symbol("weight of the OFF pathway (eq. 8)", "1", "[0, inf)", (1.0, 6.0)),
+        converter=scalar,
+        metadata=_declares("weight of the OFF pathway (eq. 8)", "1", "[0, inf)", (1.0, 6.0), stage="pixels"),
     )
     theta3: Float[Array, ""] = eqx.field(
         default=0.0,
-        converter=_scalar,
-        metadata=_symbol("weight of the product of ON and OFF (eq. 8)", "1/grey level", "[0, inf)", (0.0, 0.1)),
+        converter=scalar,
+        metadata=_declares(
+            "weight of the product of ON and OFF (eq. 8)", "1/grey level", "[0, inf)", (0.0, 0.1), stage="pixels"
+        ),
     )
     tau1: Float[Array, ""] = eqx.field(
         default=30.0,
-        converter=_scalar,
-        metadata=_symbol("delay of the lateral flow (eq. 4)", "ms", "(0, inf)", (5.0, 50.0), scale="log"),
+        converter=scalar,
+        metadata=_declares(
+            "delay of the lateral flow (eq. 4)", "ms", "(0, inf)", (5.0, 50.0), scale="log", stage="pixels"
+        ),
     )
     tau2: Float[Array, ""] = eqx.field(
         default=30.0,
-        converter=_scalar,
-        metadata=_symbol("delay of the feed-forward inhibition (eq. 14)", "ms", "(0, inf)", (5.0, 100.0), scale="log"),
+        converter=scalar,
+        metadata=_declares(
+            "delay of the feed-forward inhibition (eq. 14)", "ms", "(0, inf)", (5.0, 100.0), scale="log"
+        ),
     )
     tau3: Float[Array, ""] = eqx.field(
         default=500.0,
-        converter=_scalar,
-        metadata=_symbol(
+        converter=scalar,
+        metadata=_declares(
             "time constant of spike-frequency adaptation (eq. 15)", "ms", "(0, inf)", (400.0, 1000.0), scale="log"
         ),
     )
     w_bias: Float[Array, ""] = eqx.field(
         default=0.3,
-        converter=_scalar,
-        metadata=_symbol("weight of the inhibition in a local sum (eq. 7)", "1", "[0, inf)", (0.05, 1.0)),
+        converter=scalar,
+        metadata=_declares(
+            "weight of the inhibition in a local sum (eq. 7)", "1", "[0, inf)", (0.05, 1.0), stage="pixels"
+        ),
     )
     sigma1: Float[Array, ""] = eqx.field(
         default=0.1,
-        converter=_scalar,
-        metadata=_symbol("share of ON and OFF kept from the frame before (eq. 3)", "1", "[0, 1)", (0.0, 0.5)),
+        converter=scalar,
+        metadata=_declares(
+            "share of ON and OFF kept from the frame before (eq. 3)",
+            "1",
+            "[0, 1)",
+            (0.0, 0.5),
+            stage="pixels",
+            per_frame="share",
+        ),
     )
     T_s: Float[Array, ""] = eqx.field(
         default=10.0,
-        converter=_scalar,
-        metadata=_symbol("threshold of the S layer (eq. 9)", "grey level", "[0, inf)", (1.0, 50.0), scale="log"),
+        converter=scalar,
+        metadata=_declares(
+            "threshold of the S layer (eq. 9)",
+            "grey level",
+            "[0, inf)",
+            (1.0, 50.0),
+            scale="log",
+            stage="pixels",
+            per_frame="change",
+        ),
     )
     T_ffi: Float[Array, ""] = eqx.field(
         default=10.0,
-        converter=_scalar,
-        metadata=_symbol(
+        converter=scalar,
+        metadata=_declares(
             "feed-forward inhibition above which the cell is silenced",
             "grey level",
             "(0, inf)",
             (1.0, 60.0),
             scale="log",
+            per_frame="change",
         ),
     )
     T_sfa: Float[Array, ""] = eqx.field(
         default=1e-3,
-        converter=_scalar,
-        metadata=_symbol(
-            "rise of the SMP in a frame up to which adaptation acts (eq. 15)", "1", "[-1, 1]", (1e-5, 1e-2), scale="log"
+        converter=scalar,
+        metadata=_declares(
+            "rise of the SMP in a frame up to which adaptation acts (eq. 15)",
+            "1",
+            "[-1, 1]",
+            (1e-5, 1e-2),
+            scale="log",
+            per_frame="change",
         ),
     )
     T_sp: Float[Array, ""] = eqx.field(
-        default=0.78, converter=_scalar, metadata=_symbol("spiking threshold (eq. 16)", "1", "(0.5, 1)", (0.6, 0.85))
+        default=0.78, converter=scalar, metadata=_declares("spiking threshold (eq. 16)", "1", "(0.5, 1)", (0.6, 0.85))
     )
     sigma_sp: Float[Array, ""] = eqx.field(
         default=0.1,
-        converter=_scalar,
-        metadata=_symbol("step above T_sp from which there are two spikes (eq. 16)", "1", "[0, inf)", (0.02, 0.3)),
+        converter=scalar,
+        metadata=_declares("step above T_sp from which there are two spikes (eq. 16)", "1", "[0, inf)", (0.02, 0.3)),
     )
     k: Float[Array, ""] = eqx.field(
         default=1.0,
-        converter=_scalar,
-        metadata=_symbol(
+        converter=scalar,
+        metadata=_declares(
             "mean potential of a pixel that maps to sigma(1) (eq. 12)",
             "grey level",
             "(0, inf)",
             (0.1, 2.0),
             scale="log",
+            per_frame="change",
         ),
     )
     u: Float[Array, ""] = eqx.field(
         default=1.0,
-        converter=_scalar,
-        metadata=_symbol(
+        converter=scalar,
+        metadata=_declares(
             "decay of the photoreceptors' persistence, where n_p > 0 (eq. 1)",
             "1",
             "(-inf, inf)",
             (0.0, 3.0),
             source="free in the paper",
+            stage="pixels",
+            per_frame="persistence",
         ),
     )
     N_sp: Float[Array, ""] = eqx.field(
         default=6.0,
-        converter=_scalar,
-        metadata=_symbol("spikes in N_ts + 1 frames that make an alarm (eq. 17)", "spikes", "(0, inf)", (1.0, 10.0)),
+        converter=scalar,
+        metadata=_declares(
+            "spikes in N_ts + 1 frames that make an alarm (eq. 17)",
+            "spikes",
+            "(0, inf)",
+            (1.0, 10.0),
+            per_frame="count",
+        ),
+    )
+    T_p: Float[Array, ""] = eqx.field(
+        default=19.0,
+        converter=scalar,
+        metadata=declares(
+            "height of a step of luminance from which a pixel counts as changed",
+            "grey level",
+            "(0, inf)",
+            (5.0, 60.0),
+            _SIZE,
+            scale="log",
+            stage="pixels",
+            mechanism="size",
+        ),
+    )
+    tau_hold: Float[Array, ""] = eqx.field(
+        default=250.0,
+        converter=scalar,
+        metadata=declares(
+            "how long a changed pixel counts",
+            "ms",
+            "(0, inf)",
+            (30.0, 2000.0),
+            _SIZE,
+            scale="log",
+            stage="pixels",
+            mechanism="size",
+        ),
+    )
+    A_ffi: Float[Array, ""] = eqx.field(
+        default=0.09,
+        converter=scalar,
+        metadata=declares(
+            "share of the field that changed of late, from which the cell is inhibited",
+            "1",
+            "(0, inf)",
+            (0.005, 0.5),
+            _SIZE,
+            scale="log",
+            mechanism="size",
+        ),
+    )
+    m: Float[Array, ""] = eqx.field(
+        default=4.5,
+        converter=scalar,
+        metadata=declares(
+            "steepness of the shunt", "1", "(0, inf)", (1.0, 20.0), _SHUNT, scale="log", mechanism="shunt"
+        ),
+    )
+    gamma: Float[Array, ""] = eqx.field(
+        default=0.65,
+        converter=scalar,
+        metadata=declares("exponent of the excitation", "1", "(0, inf)", (0.3, 1.5), _SHUNT, mechanism="shunt"),
+    )
+    lag: Float[Array, ""] = eqx.field(
+        default=30.0,
+        converter=scalar,
+        metadata=declares(
+            "time from the photoreceptors to the cell", "ms", "[0, inf)", (0.0, 80.0), _LAG, mechanism="lag"
+        ),
+    )
+    tau_cell: Float[Array, ""] = eqx.field(
+        default=26.0,
+        converter=scalar,
+        metadata=declares(
+            "time constant of the membrane", "ms", "[0, inf)", (0.0, 80.0), _MEMBRANE, mechanism="membrane"
+        ),
     )
 
     @property
@@ -236,23 +242,6 @@ class Parameters(ParameterSet):
 def symbols(kind: type[ParameterSet] = Parameters) -> dict[str, Symbol]:
     """What is known of each parameter, by name, in the order of the fields: of the LGMD2, or of another network's."""
     return declared(kind)
-
-
-def declared(kind: type[eqx.Module]) -> dict[str, Symbol]:
-    """What the fields of a class declare of themselves, by name."""
-    return {field.name: field.metadata["symbol"] for field in dataclasses.fields(kind)}
-
-
-def check_domains(owner: eqx.Module) -> None:
-    """Raise `ValueError` for the first concrete value of a field that lies outside the domain declared with it."""
-    for name, symbol in declared(type(owner)).items():
-        leaf = getattr(owner, name)
-        if not is_concrete(leaf):
-            continue
-        outside = np.ravel(leaf)[~symbol.contains(np.ravel(leaf))]
-        if outside.size:
-            unit = "" if symbol.unit == "1" else f" {symbol.unit}"
-            raise ValueError(f"{name} is {outside[0]:g}{unit}; it must lie in {symbol.domain}{unit}")
 
 
 PRESETS: Mapping[str, Mapping[str, float]] = {

@@ -1,15 +1,25 @@
 """The retina: photoreceptors, and the split into ON and OFF (eqs 1-3). Pure functions of one frame."""
 
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float
 
-from lgmd2jax._types import Map
+from lgmd2jax._network.maps import pool
+from lgmd2jax._types import Map, Scalar, is_concrete
 
 
 def persistence(u: Float[Array, ""], n_p: int) -> Float[Array, " n_p"]:
     """Eq. 1: a_i = 1/(1 + exp(u i)) for i = 1..n_p, the share that is left of the change i frames ago."""
     i = jnp.arange(1, n_p + 1, dtype=u.dtype)
     return 1 / (1 + jnp.exp(u * i))
+
+
+def unstable_persistence(u: Float[Array, "*batch"], n_p: int) -> dict[str, Bool[Array, "*batch"]]:
+    """Where the persistence is not sure to be stable, with the sentence that says so: where sum(a_i) >= 1."""
+    if n_p == 0:
+        return {}
+    total = jnp.vectorize(lambda u: persistence(u, n_p).sum())(u)
+    known = f"u is {u} with n_p = {n_p}: " if is_concrete(u) else ""
+    return {f"{known}the persistence sums to 1 or more and is stable only below 1; raise u or lower n_p": total >= 1}
 
 
 def photoreceptors(change: Map, history: Float[Array, "n_p row col"], u: Float[Array, ""]) -> Map:
@@ -37,3 +47,8 @@ def residual(y: Map, previous: Map, sigma1: Float[Array, ""]) -> Map:
 def magnitude(x: Float[Array, " *map"]) -> Float[Array, " *map"]:
     """abs(x) with slope 0 at 0. `jnp.abs` has slope 1 there, which makes every pixel at rest wrong."""
     return jnp.maximum(x, 0) + jnp.maximum(-x, 0)
+
+
+def mean_change(p: Map) -> Scalar:
+    """Eq. 13: F, the mean of abs(P)."""
+    return pool(magnitude(p), 1 / p.size)

@@ -5,131 +5,147 @@ So a parameter needs one map of sensitivities for each array of the state that d
 state: forward mode over time. MP is one number, so that its slopes in all signals of a frame come from one backward
 pass over that frame: reverse mode within a frame. A parameter without memory needs no map at all.
 
-Nothing here repeats an equation of the network. JAX differentiates the three parts of `pixel_step`, and which part
-and which state depend on which parameter is read from what it finds: `equinox.filter_jvp` returns None for no change.
+Nothing here repeats an equation of the network. JAX differentiates the three parts of the stage (`parts`), and which
+part and which state depend on which parameter is read from the result: `equinox.filter_jvp` returns None for no change.
 """
 
 import functools
 import operator
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array
+from jaxtyping import Array, Float
 
-from lgmd2jax._network.maps import bordered, inside, pool
+from lgmd2jax._network.maps import Bordered, bordered, inside, pool
 from lgmd2jax._network.medulla import lateral
-from lgmd2jax._network.parameters import symbols
-from lgmd2jax._network.pixels import (
-    Record,
-    Traces,
-    change,
-    gate_and_pool,
-    mean_change,
-    remember,
-    scan_pixels,
-    scan_sums,
-    sum_flows,
-)
-from lgmd2jax._types import cast
+from lgmd2jax._network.parameter_set import declared
+from lgmd2jax._network.parts import PixelParts, Traces, signals_of
+from lgmd2jax._network.stages import Interval, Sums
+from lgmd2jax._types import Map, Scalar
+
+Rows = dict[str, Array | None]  # the derivative by each parameter, None for no influence
 
 
-def potentials(model, frames, interval, record: Record | None = None) -> tuple[Array, Array, Any]:
-    """The pixel stage of an `LGMD2` over a clip: MP(t), F(t) and what was recorded.
+def exact_sums(pixels: PixelParts, frames: Float[Array, "time row col"], interval: Interval) -> Sums:
+    """MP(t) and F(t) over a clip.
 
     `jax.grad`, `jax.jacfwd`, `jax.linearize` and all that builds on them use the sensitivities without knowing: the
     tangents of the parameters are multiplied by the Jacobian, which is computed once however many tangents there are.
-    Where something else is perturbed (frames, interval, temperature, widths), and with `record`, JAX differentiates the
-    scan as it stands.
+    Where something else is perturbed (frames, interval, temperature, widths) JAX differentiates the plain loop.
     """
-    if record is None:
-        return *_potentials(model, frames, interval), None
-    return scan_pixels(model, frames, interval, record)
+    return _exact_sums(pixels, frames, interval)
 
 
-_potentials = eqx.filter_custom_jvp(scan_sums)
+@eqx.filter_custom_jvp
+def _exact_sums(pixels: PixelParts, frames, interval) -> Sums:
+    return _scan(pixels, frames, interval, ())[0]
 
 
-@_potentials.def_jvp
-def _potentials_jvp(primals, tangents):
-    model, frames, interval = primals
-    model_tangent, *input_tangents = tangents
-    other_tangents = eqx.tree_at(lambda model: model.parameters, model_tangent, None), input_tangents
+@_exact_sums.def_jvp
+def _exact_sums_jvp(primals, tangents):
+    pixels, frames, interval = primals
+    pixels_tangent, *input_tangents = tangents
+    other_tangents = eqx.tree_at(lambda stage: stage.parameters, pixels_tangent, None), input_tangents
     if jax.tree.leaves(other_tangents):
-        return eqx.filter_jvp(lambda *inputs: scan_pixels(*inputs, record=None)[:2], primals, tangents)
-    all_tangents = {name: getattr(model_tangent.parameters, name) for name in symbols()}
-    perturbed = {name: tangent for name, tangent in all_tangents.items() if tangent is not None}
-    outputs, jacobian = _sensitivities(model, frames, interval, tuple(perturbed))
+        return eqx.filter_jvp(lambda stage, *inputs: stage.plain(*inputs)[0], primals, tangents)
+    names = declared(type(pixels.parameters))
+    perturbed = {name: getattr(pixels_tangent.parameters, name) for name in names}
+    perturbed = {name: tangent for name, tangent in perturbed.items() if tangent is not None}
+    sums, jacobian = _scan(pixels, frames, interval, tuple(perturbed))
 
-    def moved(output, rows):
-        return _total(row * perturbed[name].astype(output.dtype) for name, row in rows.items() if row is not None)
+    def change(value, rows: Rows):
+        return _total(row * perturbed[name].astype(value.dtype) for name, row in rows.items() if row is not None)
 
-    return outputs, tuple(map(moved, outputs, jacobian))
+    changes: Iterable[Any] = map(change, sums, jacobian)  # None where nothing changes
+    return sums, Sums(*changes)
 
 
-def _sensitivities(model, frames, interval, names: tuple[str, ...]):
-    """MP(t) and F(t), and for each a dictionary of its derivatives by the named parameters, None for no influence."""
-    model = eqx.tree_at(lambda model: model.parameters, model, cast(model.parameters, frames.dtype))
-    start = Traces.rest(frames[0], model.n_p)
+class _Carry(NamedTuple):
+    """What goes from frame to frame: the traces, their sensitivities by parameter, and maps to write over."""
 
-    def step(carry, t):
-        traces, maps, borders = carry
-        border = bordered(change(frames, t), onto=borders[0])
+    traces: Traces
+    sensitivities: dict[str, Traces]
+    spare: tuple[Bordered, ...]
 
-        def advance(model, traces):
-            traces, p = remember(model, traces, border, interval)
-            return traces, mean_change(inside(p))
 
-        new, f = advance(model, traces)
-        signals = inside(new.on), inside(new.off), lateral(new.d_on), lateral(new.d_off)
-        s, to_signals = jax.vjp(lambda signals: sum_flows(model, *signals)[0], signals)
+def _scan(pixels: PixelParts, frames, interval, names: tuple[str, ...]) -> tuple[Sums, tuple[Rows, Rows]]:
+    """The sums over a clip, and the derivatives of MP and of F by the named parameters.
+
+    Frames are read where they lie rather than carried, and the border is laid in place.
+    """
+
+    def step(carry: _Carry, t):
+        border, *spare = carry.spare
+        border = bordered(_change(frames, t), onto=border)
+        own = interval[t] if interval.ndim else interval
+
+        def advance(pixels, traces):
+            traces, f, _ = pixels.remember(traces, border, own)
+            return traces, f
+
+        traces, f = advance(pixels, carry.traces)
+        signals = signals_of(traces)
+        if not names:
+            mp = pixels.gate_and_pool(pixels.add_flows(signals))
+            return _Carry(traces, {}, (border,)), (Sums(mp, f), ({}, {}))
+        s, to_signals = jax.vjp(pixels.add_flows, signals)
         # Linearised once for all parameters: XLA would compute the slope of the gate anew for each.
-        mp, of_s = jax.linearize(lambda s: gate_and_pool(model, s)[0], s)
-        ((on, off, *spreads),) = to_signals(*jax.linear_transpose(of_s, s)(jnp.ones_like(mp)))
+        mp, of_s = jax.linearize(pixels.gate_and_pool, s)
+        (slopes,) = to_signals(*jax.linear_transpose(of_s, s)(jnp.ones_like(mp)))
         # The lateral spread is its own adjoint, so two spreads a frame serve the maps of all parameters.
-        spreads = [bordered(spread, onto) for spread, onto in zip(spreads, borders[1:], strict=True)]
-        d_on, d_off = map(lateral, spreads)
-        slopes = {"on": on, "off": off, "d_on": d_on, "d_off": d_off}
+        spare = [bordered(slope, onto) for slope, onto in zip(slopes[2:], spare, strict=True)]
+        slopes = slopes._asdict() | dict(zip(("d_on", "d_off"), map(lateral, spare), strict=True))
 
-        def rows_of(name):
-            unit = _unit(model, name)
-            _, (new_maps, df) = eqx.filter_jvp(advance, (model, traces), (unit, maps[name]))
-            _, ds = eqx.filter_jvp(lambda model: sum_flows(model, *signals)[0], (model,), (unit,))
-            _, dmp = eqx.filter_jvp(lambda model: gate_and_pool(model, s)[0], (model,), (unit,))
-            moved = {field: getattr(new_maps, field) for field in slopes}
-            carried = _total(slopes[field] * inside(it) for field, it in moved.items() if it is not None)
+        def derivatives(name: str) -> tuple[Traces, Scalar | None, Scalar | None]:
+            """Of the traces, MP and F."""
+            unit = _unit(pixels, name)
+            _, (maps, df) = eqx.filter_jvp(advance, (pixels, carry.traces), (unit, carry.sensitivities[name]))
+            _, ds = eqx.filter_jvp(lambda stage: stage.add_flows(signals), (pixels,), (unit,))
+            _, dmp = eqx.filter_jvp(lambda stage: stage.gate_and_pool(s), (pixels,), (unit,))
+            changes = {field: getattr(maps, field) for field in ("on", "off", "d_on", "d_off")}
+            carried = _total(slopes[field] * inside(map_) for field, map_ in changes.items() if map_ is not None)
             parts = dmp, None if ds is None else of_s(ds), None if carried is None else pool(carried)
-            return new_maps, _total(parts), df
+            return maps, _total(parts), df
 
-        found = {name: rows_of(name) for name in names}
-        new_maps, mp_row, f_row = ({name: it[i] for name, it in found.items()} for i in range(3))
-        return (new, new_maps, (border, *spreads)), ((mp, f), (mp_row, f_row))
+        every = {name: derivatives(name) for name in names}
+        maps = {name: of_traces for name, (of_traces, _, _) in every.items()}
+        mp_rows: Rows = {name: of_mp for name, (_, of_mp, _) in every.items()}
+        f_rows: Rows = {name: of_f for name, (_, _, of_f) in every.items()}
+        return _Carry(traces, maps, (border, *spare)), (Sums(mp, f), (mp_rows, f_rows))
 
-    maps = {name: _maps_at_rest(model, name, start, interval) for name in names}
-    return jax.lax.scan(step, (start, maps, 3 * (start.on,)), jnp.arange(len(frames)))[1]
-
-
-def _unit(model, name: str):
-    """A tangent of the model: 1 for this parameter, None for all else."""
-    nothing = jax.tree.map(lambda _: None, model)
-    one = np.ones((), getattr(model.parameters, name).dtype)
-    return eqx.tree_at(lambda it: getattr(it.parameters, name), nothing, one, is_leaf=lambda leaf: leaf is None)
+    rest = pixels.traces_at_rest(frames[0])
+    maps = {name: _maps_at_rest(pixels, name, rest, interval) for name in names}
+    start = _Carry(rest, maps, (rest.on,) * (3 if names else 1))
+    return jax.lax.scan(step, start, jnp.arange(len(frames)))[1]
 
 
-def _maps_at_rest(model, name: str, traces: Traces, interval):
-    """Sensitivities of a state at rest: 0 for the arrays that this parameter will reach, None for the others."""
-    unchanged = traces.on
+def _change(frames, t) -> Map:
+    """L(t) - L(t-1), with the first frame as what was there before."""
+    return frames[t] - frames[jnp.maximum(t - 1, 0)]
+
+
+def _unit(pixels: PixelParts, name: str):
+    """A tangent of the stage: 1 for this parameter, None for all else."""
+    nothing = jax.tree.map(lambda _: None, pixels)
+    one = np.ones((), getattr(pixels.parameters, name).dtype)
+    return eqx.tree_at(lambda stage: getattr(stage.parameters, name), nothing, one, is_leaf=lambda leaf: leaf is None)
+
+
+def _maps_at_rest(pixels: PixelParts, name: str, rest: Traces, interval: Interval) -> Any:
+    """Sensitivities of traces at rest: 0 for the arrays that this parameter will reach, None for the others."""
+    own = interval[0] if interval.ndim else interval
 
     def reach(maps):
-        def advance(model, traces):
-            return remember(model, traces, unchanged, interval)[0]
+        def advance(pixels, traces):
+            return pixels.remember(traces, rest.on, own)[0]
 
-        return eqx.filter_jvp(advance, (model, traces), (_unit(model, name), maps))[1]
+        return eqx.filter_jvp(advance, (pixels, rest), (_unit(pixels, name), maps))[1]
 
-    maps, reached = None, jax.tree.map(lambda _: None, traces)
+    maps, reached = None, jax.tree.map(lambda _: None, rest)
     while jax.tree.structure(maps) != jax.tree.structure(reached):
         maps = jax.tree.map(lambda leaf: jnp.zeros(leaf.shape, leaf.dtype), reached)
         reached = eqx.filter_eval_shape(reach, maps)

@@ -11,32 +11,38 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from lgmd2jax._network.parameters import _scalar
+from lgmd2jax._network.parameter_set import scalar
 from lgmd2jax._types import Map, Scalar, is_concrete
 
 
 class Widths(eqx.Module):
     """Widths of the soft thresholds at temperature 1.
 
-    - `s`, `ffi`, `sfa`: as a share of T_s, T_ffi and T_sfa, so that they follow when these scale.
+    - `s`, `change`, `ffi`, `sfa`: as a share of T_s, of the height that counts as a change, of T_ffi (A_ffi) and of
+      T_sfa, so that they follow when these scale.
     - `floor`, `spikes`: in units of the SMP.
     - `collision`: in spikes.
     """
 
-    s: Float[Array, ""] = eqx.field(default=0.1, converter=_scalar)
-    ffi: Float[Array, ""] = eqx.field(default=0.03, converter=_scalar)
-    sfa: Float[Array, ""] = eqx.field(default=1.0, converter=_scalar)
-    floor: Float[Array, ""] = eqx.field(default=0.002, converter=_scalar)
-    spikes: Float[Array, ""] = eqx.field(default=0.01, converter=_scalar)
-    collision: Float[Array, ""] = eqx.field(default=0.1, converter=_scalar)
+    s: Float[Array, ""] = eqx.field(default=0.1, converter=scalar)
+    change: Float[Array, ""] = eqx.field(default=0.1, converter=scalar)
+    ffi: Float[Array, ""] = eqx.field(default=0.03, converter=scalar)
+    sfa: Float[Array, ""] = eqx.field(default=1.0, converter=scalar)
+    floor: Float[Array, ""] = eqx.field(default=0.002, converter=scalar)
+    spikes: Float[Array, ""] = eqx.field(default=0.01, converter=scalar)
+    collision: Float[Array, ""] = eqx.field(default=0.1, converter=scalar)
 
 
 class Thresholds(eqx.Module):
-    """The six thresholds of the network. Each returns a float: 0 or 1 when hard, between them when soft."""
+    """The thresholds of the network. Each returns a float: 0 or 1 when hard, between them when soft."""
 
     @abc.abstractmethod
     def s(self, s: Map, T_s: Scalar) -> Map:
         """Eq. 9: passes S >= T_s."""
+
+    @abc.abstractmethod
+    def change(self, d: Map, height: Scalar) -> Map:
+        """Size-coding inhibition: a delayed change D > height counts, none does not."""
 
     @abc.abstractmethod
     def ffi(self, ffi: Scalar, T_ffi: Scalar) -> Scalar:
@@ -65,6 +71,9 @@ class Hard(Thresholds):
     def s(self, s, T_s):
         return (s >= T_s).astype(s.dtype)
 
+    def change(self, d, height):
+        return (d > height).astype(d.dtype)
+
     def ffi(self, ffi, T_ffi):
         return (ffi <= T_ffi).astype(ffi.dtype)
 
@@ -89,7 +98,7 @@ class Soft(Thresholds):
     **Raises:** `ValueError` for a temperature that is not positive.
     """
 
-    temperature: Float[Array, ""] = eqx.field(default=1.0, converter=_scalar)
+    temperature: Float[Array, ""] = eqx.field(default=1.0, converter=scalar)
     widths: Widths = eqx.field(default_factory=Widths)
 
     def __check_init__(self):
@@ -97,6 +106,12 @@ class Soft(Thresholds):
 
     def s(self, s, T_s):
         return self._step(s - T_s, self.widths.s * T_s)
+
+    def change(self, d, height):
+        width = self.widths.change * height
+        # What a step gives at rest would add up, over the time that a change is held, above the threshold of the cell.
+        at_rest = self._step(-height, width)
+        return (self._step(d - height, width) - at_rest) / (1 - at_rest)
 
     def ffi(self, ffi, T_ffi):
         return self._step(T_ffi - ffi, self.widths.ffi * T_ffi)
@@ -128,7 +143,7 @@ class StraightThrough(Thresholds):
     **Raises:** `ValueError` for a temperature that is not positive.
     """
 
-    temperature: Float[Array, ""] = eqx.field(default=1.0, converter=_scalar)
+    temperature: Float[Array, ""] = eqx.field(default=1.0, converter=scalar)
     widths: Widths = eqx.field(default_factory=Widths)
 
     def __check_init__(self):
@@ -136,6 +151,9 @@ class StraightThrough(Thresholds):
 
     def s(self, s, T_s):
         return self._joined("s", s, T_s)
+
+    def change(self, d, height):
+        return self._joined("change", d, height)
 
     def ffi(self, ffi, T_ffi):
         return self._joined("ffi", ffi, T_ffi)

@@ -3,21 +3,20 @@
 As public codes agree on it. I is inhibition, S what it leaves of P, G what grouping makes of S.
 """
 
-from typing import Any, ClassVar
-
 import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from lgmd2jax._eye import Eye
 from lgmd2jax._network import medulla, retina
-from lgmd2jax._network.abstract import Network
-from lgmd2jax._network.lobula import membrane_potential
+from lgmd2jax._network.abstract import AbstractNetwork
+from lgmd2jax._network.lobula import gated
 from lgmd2jax._network.maps import bordered, pool
-from lgmd2jax._network.parameters import Levels, ParameterSet, _scalar, _symbol
-from lgmd2jax._network.pixels import scan_pixels
+from lgmd2jax._network.parameter_set import Levels, ParameterSet, declares, scalar
+from lgmd2jax._network.stages import AbstractCell, AbstractPixels, Response, Sums
+from lgmd2jax._network.structure import counts
 from lgmd2jax._network.thresholds import Hard, Thresholds
-from lgmd2jax._types import Map, Scalar, cast
+from lgmd2jax._types import Map, Scalar
 
 _SOURCE = "Yue & Rind 2006, the value that public codes agree on; bounds are this project's"
 _PRIOR = "1 in Yue & Rind 2006, who have no such factor; bounds as of the LGMD2"
@@ -35,78 +34,107 @@ class YueRindParameters(ParameterSet):
 
     u: Float[Array, ""] = eqx.field(
         default=1.0,
-        converter=_scalar,
-        metadata=_symbol(
-            "decay of the photoreceptors' persistence over a frame", "1", "(-inf, inf)", (0.0, 3.0), _SOURCE
+        converter=scalar,
+        metadata=declares(
+            "decay of the photoreceptors' persistence over a frame",
+            "1",
+            "(-inf, inf)",
+            (0.0, 3.0),
+            _SOURCE,
+            stage="pixels",
+            per_frame="persistence",
         ),
     )
     W_I: Float[Array, ""] = eqx.field(
         default=0.3,
-        converter=_scalar,
-        metadata=_symbol("weight of the inhibition in the S layer", "1", "[0, inf)", (0.05, 1.0), _SOURCE),
+        converter=scalar,
+        metadata=declares(
+            "weight of the inhibition in the S layer", "1", "[0, inf)", (0.05, 1.0), _SOURCE, stage="pixels"
+        ),
     )
     Delta_C: Float[Array, ""] = eqx.field(
         default=0.01,
-        converter=_scalar,
-        metadata=_symbol(
+        converter=scalar,
+        metadata=declares(
             "added to the scale of grouping, which is then never 0",
             "grey level",
             "(0, inf)",
             (1e-3, 1.0),
             _SOURCE,
             scale="log",
+            stage="pixels",
+            per_frame="change",
         ),
     )
     C_omega: Float[Array, ""] = eqx.field(
         default=4.0,
-        converter=_scalar,
-        metadata=_symbol(
+        converter=scalar,
+        metadata=declares(
             "by what the largest group is divided, as the scale of grouping",
             "1",
             "(0, inf)",
             (1.0, 16.0),
             _SOURCE,
             "log",
+            stage="pixels",
         ),
     )
     C_de: Float[Array, ""] = eqx.field(
         default=0.5,
-        converter=_scalar,
-        metadata=_symbol("weight of G where it is compared with T_de", "1", "(0, inf)", (0.1, 1.0), _SOURCE, "log"),
+        converter=scalar,
+        metadata=declares(
+            "weight of G where it is compared with T_de", "1", "(0, inf)", (0.1, 1.0), _SOURCE, "log", stage="pixels"
+        ),
     )
     T_de: Float[Array, ""] = eqx.field(
         default=15.0,
-        converter=_scalar,
-        metadata=_symbol("threshold of the G layer", "grey level", "[0, inf)", (1.0, 60.0), _SOURCE, "log"),
+        converter=scalar,
+        metadata=declares(
+            "threshold of the G layer",
+            "grey level",
+            "[0, inf)",
+            (1.0, 60.0),
+            _SOURCE,
+            "log",
+            stage="pixels",
+            per_frame="change",
+        ),
     )
     T_ffi: Float[Array, ""] = eqx.field(
         default=10.0,
-        converter=_scalar,
-        metadata=_symbol(
+        converter=scalar,
+        metadata=declares(
             "feed-forward inhibition from which there is no spike, at the start",
             "grey level",
             "(0, inf)",
             (1.0, 60.0),
             _SOURCE,
             "log",
+            per_frame="change",
         ),
     )
     alpha_ffi: Float[Array, ""] = eqx.field(
         default=0.02,
-        converter=_scalar,
-        metadata=_symbol("share of that threshold in its next value", "1", "[0, 1)", (0.0, 0.5), _SOURCE),
+        converter=scalar,
+        metadata=declares("share of that threshold in its next value", "1", "[0, 1)", (0.0, 0.5), _SOURCE),
     )
     k: Float[Array, ""] = eqx.field(
         default=1.0,
-        converter=_scalar,
-        metadata=_symbol(
-            "mean potential of a pixel that maps to sigma(1)", "grey level", "(0, inf)", (0.1, 2.0), _PRIOR, "log"
+        converter=scalar,
+        metadata=declares(
+            "mean potential of a pixel that maps to sigma(1)",
+            "grey level",
+            "(0, inf)",
+            (0.1, 2.0),
+            _PRIOR,
+            "log",
+            per_frame="change",
         ),
     )
     T_sp: Float[Array, ""] = eqx.field(
         default=0.86,
-        converter=_scalar,
-        metadata=_symbol("spiking threshold (.78 and .8 are in use too)", "1", "(0.5, 1)", (0.6, 0.95), _SOURCE),
+        converter=scalar,
+        metadata=declares("spiking threshold (.78 and .8 are in use too)", "1", "(0.5, 1)", (0.6, 0.95), _SOURCE),
     )
 
     @property
@@ -126,17 +154,65 @@ class YueRindLayers(eqx.Module):
     g_kept: Map
 
 
-class _PixelState(eqx.Module):
+class YueRindPixelState(eqx.Module):
+    """What the pixels keep from one frame to the next."""
+
     luminance: Map
     p: Map
 
 
-class _CellState(eqx.Module):
+class YueRindPixels(AbstractPixels):
+    """From frames to K and F."""
+
+    parameters: YueRindParameters
+    thresholds: Thresholds
+
+    def rest(self, frame: Map) -> YueRindPixelState:
+        return YueRindPixelState(frame, jnp.zeros_like(frame))
+
+    def step(self, state, frame, interval):
+        v = self.parameters
+        p = retina.photoreceptors(frame - state.luminance, state.p[None], v.u)
+        inhibition = medulla.lateral(bordered(state.p))
+        s = p - v.W_I * inhibition
+        c_e = medulla.g_layer(bordered(s))
+        omega = v.Delta_C + jnp.max(retina.magnitude(c_e)) / v.C_omega
+        g = s * c_e / omega
+        g_kept = g * self.thresholds.s(v.C_de * g, v.T_de)
+        sums = Sums(pool(retina.magnitude(g_kept)), retina.mean_change(state.p))
+        return YueRindPixelState(frame, p), sums, YueRindLayers(p, inhibition, s, c_e, g, g_kept)
+
+
+class YueRindCellState(eqx.Module):
+    """What the cell keeps: the threshold T of the FFI, and the spikes of the last frames."""
+
     threshold: Scalar
     spikes: Float[Array, " N_sp_less_one"]
 
 
-class YueRindLGMD1(Network):
+class YueRindCell(AbstractCell):
+    """From K and F to spikes and alarm."""
+
+    parameters: YueRindParameters
+    thresholds: Thresholds
+    N_sp: int = eqx.field(static=True)
+
+    def rest(self) -> YueRindCellState:
+        return YueRindCellState(self.parameters.T_ffi, jnp.zeros(self.N_sp - 1, self.parameters.dtype))
+
+    def step(self, state, sums, interval, pixels):
+        v, one = self.parameters, jnp.ones_like(sums.mp)
+        threshold = v.T_ffi + v.alpha_ffi * state.threshold
+        kappa = gated(retina.magnitude(sums.mp) / (pixels * v.k), one)
+        # The gate lets a tie pass, but F = T forbids a spike: hence the number just below T.
+        passes = self.thresholds.ffi(sums.f, threshold * (1 - jnp.finfo(sums.f.dtype).eps))
+        spikes = passes * self.thresholds.spikes(kappa, v.T_sp, one)  # kappa < 1 never reaches a second one
+        window = jnp.append(state.spikes, spikes)
+        collision = self.thresholds.collision(window.sum(), jnp.full_like(sums.f, self.N_sp))
+        return YueRindCellState(threshold, window[1:]), Response(*sums, kappa, kappa, spikes, collision)
+
+
+class YueRindLGMD1(AbstractNetwork):
     """The LGMD1 network of Yue & Rind 2006, to be asked whatever an `LGMD2` is asked.
 
     ```python
@@ -171,44 +247,20 @@ class YueRindLGMD1(Network):
 
     parameters: YueRindParameters = eqx.field(default_factory=YueRindParameters)
     thresholds: Thresholds = eqx.field(default_factory=Hard)
-    pixel_parameters: ClassVar = ("u", "W_I", "Delta_C", "C_omega", "C_de", "T_de")
-    n_p: int = eqx.field(default=1, static=True, init=False)
-    N_sp: int = eqx.field(default=4, static=True)
+    N_sp: int = counts(4, "spikes", least=1, at_interval=lambda spikes, ratio: max(round(spikes / ratio), 1))
     eye: Eye | None = eqx.field(default=None, static=True)
 
-    def __check_init__(self):
-        if not isinstance(self.N_sp, int) or self.N_sp < 1:
-            raise ValueError(f"N_sp is {self.N_sp!r}; give a whole number of spikes, 1 or more")
+    @property
+    def pixels(self) -> YueRindPixels:
+        return YueRindPixels(self.parameters, self.thresholds)
 
-    def _pixels_at_rest(self, frame):
-        return _PixelState(frame, jnp.zeros_like(frame))
+    @property
+    def cell(self) -> YueRindCell:
+        return YueRindCell(self.parameters, self.thresholds, self.N_sp)
 
-    def _pixel_step(self, state, frame, interval):
-        v = cast(self.parameters, frame.dtype)
-        p = retina.photoreceptors(frame - state.luminance, state.p[None], v.u)
-        inhibition = medulla.lateral(bordered(state.p))
-        s = p - v.W_I * inhibition
-        c_e = medulla.g_layer(bordered(s))
-        omega = v.Delta_C + jnp.max(retina.magnitude(c_e)) / v.C_omega
-        g = s * c_e / omega
-        g_kept = g * self.thresholds.s(v.C_de * g, v.T_de)
-        k, f = pool(retina.magnitude(g_kept)), pool(retina.magnitude(state.p), 1 / p.size)
-        return _PixelState(frame, p), (k, f, YueRindLayers(p, inhibition, s, c_e, g, g_kept))
+    @property
+    def ablations(self):
+        return {"ffi": {"T_ffi": 1e9}, "lateral": {"W_I": 0.0}}
 
-    def _potentials(self, frames, interval, record) -> tuple[Array, Array, Any]:
-        return scan_pixels(self, frames, interval, record)
-
-    def _cell_at_rest(self, dtype):
-        return _CellState(self.parameters.T_ffi.astype(dtype), jnp.zeros(self.N_sp - 1, dtype))
-
-    def _cell_step(self, state, mp, f, parameters, interval, pixels):
-        v, one = parameters, jnp.ones_like(mp)
-        threshold = v.T_ffi + v.alpha_ffi * state.threshold
-        kappa = membrane_potential(mp, one, pixels, v.k)
-        # The gate lets a tie pass, but F = T forbids a spike: hence the number just below T.
-        passes = self.thresholds.ffi(f, threshold * (1 - jnp.finfo(f.dtype).eps))
-        spikes = passes * self.thresholds.spikes(kappa, v.T_sp, one)  # kappa < 1 never reaches a second one
-        window = jnp.append(state.spikes, spikes)
-        collision = self.thresholds.collision(window.sum(), jnp.full_like(f, self.N_sp))
-        channels = {"mp": mp, "ffi": f, "smp": kappa, "smp_adapted": kappa, "spikes": spikes, "collision": collision}
-        return _CellState(threshold, window[1:]), channels
+    def conflicts(self):
+        return retina.unstable_persistence(self.parameters.u, 1)

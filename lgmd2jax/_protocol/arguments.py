@@ -9,6 +9,7 @@ from typing import Any
 
 from lgmd2jax._words import nearest
 from lgmd2jax.stimuli import BACKGROUNDS, DISTANCES
+from lgmd2jax.stimuli._units import parts_of
 
 _KINDS = {**BACKGROUNDS, **DISTANCES}
 
@@ -70,10 +71,10 @@ def located(path: str, folder: Path) -> str:
 
 
 def _value(key: str, value: Any, annotation: Any, folder: Path) -> Any:
-    allowed = typing.get_args(annotation) or (annotation,)
-    origins = {typing.get_origin(choice) for choice in (*allowed, annotation)}
+    origins = {typing.get_origin(choice) for choice in (annotation, *typing.get_args(annotation))}
     if Mapping in origins or (Sequence in origins and isinstance(value, list)):
         return _collection(key, value, Mapping if Mapping in origins else Sequence)
+    allowed = tuple(parts_of(annotation))
     if isinstance(value, Mapping):
         return _object(key, value, allowed, folder)
     if Any in allowed:  # the field of an object that converts and checks by itself

@@ -113,7 +113,7 @@ def protocol_of(path: Path, document: dict[str, Any]) -> Protocol:
     **Raises:** `ValueError`, which names condition and key, for what is not a protocol.
     """
     if {"clip", "rendered"} & document.keys():
-        raise ValueError("it holds labelled clips, for recipes of kind 'alarms': see lgmd2jax.alarms.load_footage")
+        raise ValueError("it holds labelled clips, for recipes of kind 'alarms': see lgmd2jax.alarms.load_labels")
     return Protocol(path.stem, _conditions(document, path.parent.resolve()))
 
 

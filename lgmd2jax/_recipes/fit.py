@@ -16,7 +16,7 @@ from lgmd2jax._protocol.arguments import check_keys, section
 from lgmd2jax._protocol.protocol import load_protocol
 from lgmd2jax._targets.observation import Observation, observation_symbols
 from lgmd2jax.fitting import Fit, Free, fit
-from lgmd2jax.fitting._conditions import Rendered, rendered
+from lgmd2jax.fitting._conditions import Rendered, render
 from lgmd2jax.fitting._law_fit import check_approaches
 from lgmd2jax.fitting._sections import free_of, model_of
 from lgmd2jax.fitting._validation import leave_one_out
@@ -75,7 +75,7 @@ class Recipe:
 
     def predict_each(self, progress: bool = False) -> dict[str, float]:
         """R2 of each condition by a fit to the others."""
-        return leave_one_out(lambda pairs: self.run(progress, pairs=pairs), self.pairs)
+        return leave_one_out(lambda pairs: self.run(progress, pairs=pairs).predict, self.pairs)
 
     def digest(self) -> str:
         """A digest of all that the fit sees: recipe, stimuli and targets."""
@@ -105,7 +105,7 @@ def fit_recipe(path: Path, table: dict[str, Any]) -> Recipe:
         if name not in free.names:
             raise ValueError(f"{name!r} is not free; choose {', '.join(free.names)}")
     protocol = load_protocol(beside(path, table["protocol"]))
-    pairs = tuple(rendered(protocol.conditions))
+    pairs = tuple(render(protocol.conditions))
     if validation.get("looming_law", False):
         check_approaches(pairs)
     return Recipe(

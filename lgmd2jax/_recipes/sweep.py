@@ -10,7 +10,7 @@ import numpy as np
 
 from lgmd2jax._eye import Eye
 from lgmd2jax._handover.named import model_named
-from lgmd2jax._network.abstract import Network
+from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._protocol.arguments import arguments, check_keys, keywords, section
 from lgmd2jax._protocol.protocol import eye_of
 from lgmd2jax._sweep.axes import read_grid
@@ -39,7 +39,7 @@ class SweepRecipe:
     """
 
     name: str
-    model: Network | dict[str, Network]
+    model: AbstractNetwork | dict[str, AbstractNetwork]
     eye: Eye
     family: str
     stimulus: dict[str, Any]
@@ -67,7 +67,7 @@ class SweepRecipe:
     def thresholds(self) -> dict[str, float]:
         """What the figure's surface is compared with in the network: the spiking thresholds, of a surface of peaks."""
         swept = {"T_sp", "sigma_sp"} & set(self.parameters)
-        if self.value != "peak" or self.index is not None or swept or not isinstance(self.model, Network):
+        if self.value != "peak" or self.index is not None or swept or not isinstance(self.model, AbstractNetwork):
             return {}
         return self.model.parameters.levels.by_count
 

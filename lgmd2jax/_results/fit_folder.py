@@ -12,11 +12,11 @@ from lgmd2jax._channels import Channel
 from lgmd2jax._files.catalogue import locate
 from lgmd2jax._files.folder import replaced_folder
 from lgmd2jax._handover.model_file import load, save
+from lgmd2jax._reports.section import as_html
 from lgmd2jax._results.fit_json import content_of, fit_of, plain
 from lgmd2jax._results.posterior_nc import write_posterior
-from lgmd2jax.fitting import Curve, Fit
-from lgmd2jax.fitting._report import Extra, html
-from lgmd2jax.fitting._uncertainty.posterior import Posterior
+from lgmd2jax._words import warn_renamed
+from lgmd2jax.fitting import Curve, Fit, Posterior, Supplement
 
 MARKER = "fit.json"
 OWN = (
@@ -38,39 +38,43 @@ def save_fit(
     folder: str | Path,
     *,
     name: str | None = None,
-    extra: Extra | None = None,
+    extra: Supplement | None = None,
     provenance: dict[str, Any] | None = None,
-    made: dict[str, Any] | None = None,
+    notes: dict[str, Any] | None = None,
     draws: Posterior | None = None,
+    made: dict[str, Any] | None = None,
 ) -> None:
     """Write a fit's folder: model.json, fit.json, curves.csv, fit.png, diagnostics.png, report.txt and report.html.
 
     The folder appears whole; an old one of results is replaced in one step, and what else stands in it is kept.
 
     **Arguments:** `name`: of the report, by default the folder's. `extra`: further sections of the report.
-    `provenance`: plain values for model.json, which equal fits share. `made`: what else fit.json is to say.
-    `draws`: of the posterior, for posterior.nc.
+    `provenance`: plain values for model.json, which equal fits share. `notes`: what else fit.json is to say.
+    `draws`: of the posterior, for posterior.nc. `made`: the old name of `notes`.
 
     **Raises:** `ValueError` for a folder that holds something else, or that cannot be written.
     """
     from lgmd2jax._figures.fit import diagnostics_figure, fit_figure  # the only part that needs matplotlib
     from lgmd2jax._reports.page import report_page
 
-    folder, extra = Path(folder), extra or Extra()
+    if made is not None:
+        warn_renamed("save_fit(made=...)", "save_fit(notes=...)")
+        notes = made
+    folder, extra = Path(folder), extra or Supplement()
     name = name or folder.absolute().name
     with replaced_folder(folder, MARKER, OWN) as new:
         save(fit.model, new / "model.json", provenance=provenance or {})
         _write_curves(new / "curves.csv", fit.curves)
-        content = {"name": name} | content_of(fit, extra) | plain(made or {})
+        content = {"name": name} | content_of(fit, extra) | plain(notes or {})
         (new / MARKER).write_text(json.dumps(content, indent=1, allow_nan=False) + "\n", encoding="utf-8")
         (new / "report.txt").write_text(fit.summary(extra) + "\n", encoding="utf-8")
         fit_figure(new / "fit.png", fit.curves, name)
         diagnostics_figure(new / "diagnostics.png", fit)
         if draws is not None:
-            units = {it.name: it.symbol.unit for it in fit.free.freedoms}
+            units = {freedom.name: freedom.symbol.unit for freedom in fit.free.freedoms}
             statistics = {name: np.asarray(getattr(draws, name)) for name in _STATISTICS}
             write_posterior(new / "posterior.nc", fit.values_of(draws), units, statistics)
-        page = report_page(f"Fit {name}", [new / "fit.png", new / "diagnostics.png"], html(fit, extra))
+        page = report_page(f"Fit {name}", [new / "fit.png", new / "diagnostics.png"], as_html(fit.sections(extra)))
         (new / "report.html").write_text(page, encoding="utf-8")
 
 

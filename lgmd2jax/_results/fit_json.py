@@ -1,4 +1,4 @@
-"""fit.json: what a fit found, as plain data, and back."""
+"""fit.json: a fit as plain data, and back."""
 
 import dataclasses
 import math
@@ -8,35 +8,34 @@ from typing import Any
 import jax
 import numpy as np
 
-from lgmd2jax._network.lgmd2 import LGMD2
+from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.thresholds import Soft, StraightThrough, Thresholds, Widths
 from lgmd2jax._targets.observation import Observation, observation_symbols
-from lgmd2jax.fitting import Curve, Fit, Free, Linear, Log, Run, Tie
+from lgmd2jax.fitting import Curve, Fit, Free, Linear, Log, Run, Supplement, Tie, Uncertainty
 from lgmd2jax.fitting._free import RANGES
-from lgmd2jax.fitting._report import Extra
-from lgmd2jax.fitting._uncertainty.covariance import Uncertainty
+from lgmd2jax.fitting._uncertainty.covariance import CONFIDENCE
 
 FORMAT, VERSION = "lgmd2jax-fit", 1
 
 
-def content_of(fit: Fit, extra: Extra) -> dict[str, Any]:
+def content_of(fit: Fit, supplement: Supplement) -> dict[str, Any]:
     """All but the curves and the model, which have files of their own; numbers that are not finite as None."""
     u = fit.uncertainty
     free = {
-        it.name: {
-            "value": fit.values[it.name],
+        freedom.name: {
+            "value": fit.values[freedom.name],
             "standard_error": u.standard_errors[i],
             "interval": u.intervals[i],
             "determined": bool(u.determined[i]),
             "on_bound": int(u.on_bound[i]),
-            "unit": it.symbol.unit,
-            "start": fit.start[it.name],
-            "low": it.low,
-            "high": it.high,
-            "scale": it.scale,
-            "prior": it.prior,
+            "unit": freedom.symbol.unit,
+            "start": fit.start[freedom.name],
+            "low": freedom.low,
+            "high": freedom.high,
+            "scale": freedom.scale,
+            "prior": freedom.prior,
         }
-        for i, it in enumerate(fit.free.freedoms)
+        for i, freedom in enumerate(fit.free.freedoms)
     }
     observation = {name: float(getattr(fit.observation, name)) for name in observation_symbols()}
     content = {
@@ -61,13 +60,11 @@ def content_of(fit: Fit, extra: Extra) -> dict[str, Any]:
             for curve in fit.curves
         ],
         "remarks": fit.remarks(),
-        "leave_one_out_r2": extra.left_out,
-        "looming_law": extra.beside and dataclasses.asdict(extra.beside),
-        "profiles": {name: dataclasses.asdict(profile) for name, profile in extra.profiles.items()},
+        "leave_one_out_r2": supplement.left_out,
+        "looming_law": supplement.looming_law and dataclasses.asdict(supplement.looming_law),
+        "profiles": {name: dataclasses.asdict(profile) for name, profile in supplement.profiles.items()},
         "z": fit.z,
-        "uncertainty": {
-            field.name: getattr(u, field.name) for field in dataclasses.fields(u) if field.name not in ("names",)
-        },
+        "uncertainty": _plain_uncertainty(u),
         "curved": fit.curved,
         "errors": fit.errors,
         "stats": fit.stats,
@@ -78,24 +75,24 @@ def content_of(fit: Fit, extra: Extra) -> dict[str, Any]:
     return plain(content)
 
 
-def fit_of(content: dict[str, Any], model: LGMD2, curves: tuple[Curve, ...]) -> Fit:
+def fit_of(content: dict[str, Any], model: AbstractNetwork, curves: tuple[Curve, ...]) -> Fit:
     """The fit, with the hard model of its hand-over file and its curves.
 
     **Raises:** `ValueError` for another format, and `KeyError` or `TypeError` for what is not complete.
     """
     if not isinstance(content, dict) or (content.get("format"), content.get("version")) != (FORMAT, VERSION):
         raise ValueError(f"its format is not {FORMAT!r}, version {VERSION}")
-    how = content["thresholds"]
-    if how["kind"] != "Hard":
-        kind = {"Soft": Soft, "StraightThrough": StraightThrough}[how["kind"]]
-        model = dataclasses.replace(model, thresholds=kind(how["temperature"], Widths(**how["widths"])))
-    choices = {name: _choice(it) for name, it in content["free"].items()}
+    thresholds = content["thresholds"]
+    if thresholds["kind"] != "Hard":
+        kind = {"Soft": Soft, "StraightThrough": StraightThrough}[thresholds["kind"]]
+        model = dataclasses.replace(model, thresholds=kind(thresholds["temperature"], Widths(**thresholds["widths"])))
+    choices = {name: _choice(entry) for name, entry in content["free"].items()}
     return Fit(
         model=model,
         observation=Observation(**content["observation"]),
         free=Free(**choices, **{name: Tie(**tie) for name, tie in content["ties"].items()}),
         z=np.array(content["z"]),
-        start={name: it["start"] for name, it in content["free"].items()},
+        start={name: entry["start"] for name, entry in content["free"].items()},
         loss=content["loss"],
         soft_loss=content["soft_loss"],
         temperatures=tuple(content["temperatures"]),
@@ -110,8 +107,8 @@ def fit_of(content: dict[str, Any], model: LGMD2, curves: tuple[Curve, ...]) -> 
     )
 
 
-def _choice(it: dict[str, Any]) -> Linear | Log:
-    return RANGES[it["scale"]](it["low"], it["high"], it["prior"] and tuple(it["prior"]))
+def _choice(entry: dict[str, Any]) -> Linear | Log:
+    return RANGES[entry["scale"]](entry["low"], entry["high"], entry["prior"] and tuple(entry["prior"]))
 
 
 def _thresholds(thresholds: Thresholds) -> dict[str, Any]:
@@ -121,9 +118,22 @@ def _thresholds(thresholds: Thresholds) -> dict[str, Any]:
     return {"kind": type(thresholds).__name__, "temperature": float(thresholds.temperature), "widths": widths}
 
 
+def _plain_uncertainty(u: Uncertainty) -> dict[str, Any]:
+    """All but the names; the confidence of the intervals follows them."""
+    content: dict[str, Any] = {}
+    for field in dataclasses.fields(u):
+        if field.name != "names":
+            content[field.name] = getattr(u, field.name)
+        if field.name == "intervals":
+            content["confidence"] = CONFIDENCE
+    return content
+
+
 def _uncertainty(names: tuple[str, ...], content: dict[str, Any]) -> Uncertainty:
     fields: dict[str, Any] = {"names": names}
     for name, value in content.items():
+        if name == "confidence":
+            continue  # a constant
         fields[name] = _array(value, math.inf if name == "standard_errors" else math.nan)
     return Uncertainty(**fields)
 
@@ -131,16 +141,16 @@ def _uncertainty(names: tuple[str, ...], content: dict[str, Any]) -> Uncertainty
 def _array(value: Any, beyond: float) -> Any:
     """Lists as arrays, and None, since JSON has no word for it, as `beyond`."""
     if isinstance(value, list):
-        return np.array([_array(it, beyond) for it in value])
+        return np.array([_array(entry, beyond) for entry in value])
     return beyond if value is None else value
 
 
 def plain(value: Any) -> Any:
     """As JSON has it: arrays as lists, what is not finite as null."""
     if isinstance(value, dict):
-        return {name: plain(it) for name, it in value.items()}
+        return {name: plain(entry) for name, entry in value.items()}
     if isinstance(value, (list, tuple)):
-        return [plain(it) for it in value]
+        return [plain(entry) for entry in value]
     if isinstance(value, (np.ndarray, np.generic, jax.Array)):
         return plain(value.tolist())
     if isinstance(value, float) and not math.isfinite(value):

@@ -24,15 +24,17 @@ def write_posterior(
 
     **Raises:** `ValueError` without these packages, and when `path` cannot become a file.
     """
-    if not all(importlib.util.find_spec(name) for name in ("blackjax", "h5netcdf", "xarray")):
-        raise ValueError("a file of samples needs xarray and h5netcdf: pip install 'lgmd2jax[bayes]'")
+    if not all(importlib.util.find_spec(name) for name in ("blackjax", "h5netcdf", "h5py", "xarray")):
+        raise ValueError("a file of samples needs xarray, h5netcdf and h5py: pip install 'lgmd2jax[bayes]'")
     import xarray
 
     def group(arrays: Mapping[str, np.ndarray]) -> xarray.Dataset:
         count, length = next(iter(arrays.values())).shape
         coordinates = {"chain": np.arange(count), "draw": np.arange(length)}
         attributes = {"inference_library": "blackjax", "inference_library_version": version("blackjax")}
-        return xarray.Dataset({name: (("chain", "draw"), it) for name, it in arrays.items()}, coordinates, attributes)
+        return xarray.Dataset(
+            {name: (("chain", "draw"), array) for name, array in arrays.items()}, coordinates, attributes
+        )
 
     posterior = group(draws)
     for name, unit in units.items():

@@ -13,15 +13,15 @@ import numpy as np
 from jaxtyping import Array
 
 from lgmd2jax._eye import Eye
-from lgmd2jax._network.abstract import Network
+from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.parameters import symbols
 from lgmd2jax._targets.units import has_unit
 from lgmd2jax._types import is_concrete
 from lgmd2jax._words import nearest
 from lgmd2jax.stimuli import FAMILIES, Stimulus
-from lgmd2jax.stimuli._probe import probe
+from lgmd2jax.stimuli._family import outline
 
-Models = Network | Sequence[Network] | Mapping[str, Network]
+Models = AbstractNetwork | Sequence[AbstractNetwork] | Mapping[str, AbstractNetwork]
 
 
 Kind = Literal["model", "parameter", "stimulus"]
@@ -44,7 +44,7 @@ class Setup(eqx.Module):
     It knows no values of axes, only what each is, by name: so sweeps over other values compile nothing anew.
     """
 
-    model: Network
+    model: AbstractNetwork
     renderer: Callable = eqx.field(static=True)
     eye: Eye = eqx.field(static=True)
     kinds: tuple[tuple[str, Kind], ...] = eqx.field(static=True)
@@ -55,7 +55,7 @@ class Setup(eqx.Module):
         with jax.ensure_compile_time_eval():
             return self.renderer(self.eye, **self.fixed, **self._part(point, "stimulus"))
 
-    def model_at(self, point: Mapping[str, Array]) -> Network:
+    def model_at(self, point: Mapping[str, Array]) -> AbstractNetwork:
         """The model at a point, with the parameters of that point."""
         model = self.model
         if stacked := self._part(point, "model"):
@@ -126,16 +126,16 @@ def read_grid(
     if twice:
         raise ValueError(f"{sorted(twice)[0]} is an axis twice; name each once")
     units, window = _corners(renderer, eye, fixed, [axis for axis in axes if axis.kind == "stimulus"])
-    if window and {"start_ms", "end_ms"} <= set(known):
+    if {"start_ms", "end_ms"} <= set(known):
         fixed |= {"start_ms": window[0], "end_ms": window[1]}
     axes = [dataclasses.replace(axis, unit=axis.unit or units.get(axis.name, "")) for axis in axes]
     kinds: list[tuple[str, Kind]] = [(axis.name, axis.kind) for axis in axes]
     return Grid(Setup(model, renderer, eye, tuple(kinds), fixed), tuple(axes))
 
 
-def _stack(models: Models) -> tuple[Network, list[Axis]]:
+def _stack(models: Models) -> tuple[AbstractNetwork, list[Axis]]:
     """One model whose leaves have the models as first axis, and that axis; none for a single model."""
-    if isinstance(models, Network):
+    if isinstance(models, AbstractNetwork):
         sizes = {leaf.shape[0] for leaf in jax.tree.leaves(models) if leaf.ndim}
         if not sizes:
             return models, []
@@ -185,16 +185,14 @@ def _values(name: str, value: Any) -> np.ndarray:
 
 def _corners(
     renderer: Callable, eye: Eye, fixed: Mapping[str, Any], axes: Sequence[Axis]
-) -> tuple[dict[str, str], tuple[float, float] | None]:
+) -> tuple[dict[str, str], tuple[float, float]]:
     """What the renderer says of the corners of the grid, which it checks: units, and a window that covers them all."""
-    units, windows = {}, []
+    units, frames = {}, []
     for corner in itertools.product(*((axis.values.min(), axis.values.max()) for axis in axes)):
         point = {axis.name: float(value) for axis, value in zip(axes, corner, strict=True)}
-        facts = probe(renderer, eye, **fixed, **point)
-        units |= facts.units
-        windows += [facts.window] if facts.window else []
-    starts, ends = zip(*windows, strict=True) if windows else ((), ())
-    return units, (min(starts), max(ends)) if windows else None
+        time, units = outline(renderer, eye, **fixed, **point)
+        frames += np.rint(np.asarray(time)[[0, -1]] * (eye.fps / 1000)).tolist()
+    return units, (min(frames) * 1000 / eye.fps, max(frames) * 1000 / eye.fps)
 
 
 def _named(renderer: Callable) -> str:

@@ -46,7 +46,8 @@ def sweep(
     **Arguments:**
 
     - `model`: an `LGMD2`; a list or dictionary of models of one structure, or a stack of them, gives the axis `model`.
-    - `renderer`: a family of `lgmd2jax.stimuli`, or any function of an eye and keywords that returns a `Stimulus`.
+    - `renderer`: a family of `lgmd2jax.stimuli`, or any function of an eye and keywords that returns a `Stimulus`;
+      such a function is called for the corners of the grid first.
     - `eye`: the sampling that stimuli are rendered for.
     - `parameters`: values of model parameters; a list is an axis.
     - `channels`: of the response that are kept over time: `mp`, `ffi`, `smp`, `smp_adapted`, `spikes`, `collision`.

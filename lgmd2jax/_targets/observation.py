@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from lgmd2jax._network.parameters import Symbol, _scalar, _symbol, check_domains, declared
+from lgmd2jax._network.parameter_set import Symbol, check_domains, declared, declares, scalar
 
 
 def _number(name: str) -> Callable[[Any], Array]:
@@ -17,7 +17,7 @@ def _number(name: str) -> Callable[[Any], Array]:
 
     def converted(value):
         try:
-            return _scalar(value)
+            return scalar(value)
         except ValueError:
             raise ValueError(f"{name} is {value!r}; give a number") from None
 
@@ -40,14 +40,14 @@ class Observation(eqx.Module):
     baseline: Float[Array, ""] = eqx.field(
         default=0.0,
         converter=_number("baseline"),
-        metadata=_symbol(
+        metadata=declares(
             "firing rate at rest", "spikes/s", "[0, inf)", (0.0, 50.0), source="DCMD recordings rest at 2 to 7"
         ),
     )
     gain: Float[Array, ""] = eqx.field(
         default=100.0,
         converter=_number("gain"),
-        metadata=_symbol(
+        metadata=declares(
             "firing rate above rest at the highest potential",
             "spikes/s",
             "(0, inf)",
@@ -59,7 +59,7 @@ class Observation(eqx.Module):
     latency: Float[Array, ""] = eqx.field(
         default=0.0,
         converter=_number("latency"),
-        metadata=_symbol(
+        metadata=declares(
             "delay from the potential to the record",
             "ms",
             "[0, inf)",
@@ -70,7 +70,7 @@ class Observation(eqx.Module):
     smoothing: Float[Array, ""] = eqx.field(
         default=20.0,
         converter=_number("smoothing"),
-        metadata=_symbol(
+        metadata=declares(
             "standard deviation of the recording's Gaussian kernel",
             "ms",
             "(0, inf)",

@@ -150,9 +150,7 @@ class Target(eqx.Module):
 
     @property
     def _stride(self) -> float:
-        """Frames from one value that counts to the next, as a rule."""
-        counted = np.flatnonzero(np.broadcast_to(self.weight, self.values.shape))
-        return float(np.median(np.diff(counted))) if counted.size > 1 else 1.0
+        return stride(np.broadcast_to(self.weight, self.values.shape))
 
     @property
     def _sem_in_use(self) -> np.ndarray | None:
@@ -233,6 +231,12 @@ def check_correlation(correlation_ms: float | int) -> None:
     """Raise `ValueError` for a span that is negative or not finite."""
     if not (np.isfinite(correlation_ms) and correlation_ms >= 0):
         raise ValueError(f"correlation_ms is {correlation_ms} ms; give 0 or more")
+
+
+def stride(weight: Float[np.ndarray, " time"]) -> float:
+    """Frames from one that counts to the next, as a rule: the median. `weight` is 0 where a frame does not count."""
+    counted = np.flatnonzero(weight)
+    return float(np.median(np.diff(counted))) if counted.size > 1 else 1.0
 
 
 def _check(name: str, array: np.ndarray, fine: np.ndarray | np.bool, wanted: str) -> None:

@@ -12,7 +12,7 @@ import imageio.v3 as iio
 import numpy as np
 from jaxtyping import UInt8
 
-from lgmd2jax._video.overlay import video_writer
+from lgmd2jax._video.writer import video_writer
 from lgmd2jax.stimuli import Stimulus
 
 _OURS = re.compile(r"\d{3,}-")

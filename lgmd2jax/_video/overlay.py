@@ -1,23 +1,18 @@
 """A copy of the clip with the cell's trace and its alarm drawn on it."""
 
-import contextlib
-import os
 from collections import deque
-from collections.abc import Iterator
-from fractions import Fraction
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from lgmd2jax._network.parameters import ParameterSet
 from lgmd2jax._video.clip import Frame
-from lgmd2jax._video.pictures import Picture
+from lgmd2jax._video.grey import Picture
 from lgmd2jax._video.trace import Row
 
 # As in the figures.
 _BLUE, _VERMILION, _BLACK, _WHITE = (86, 180, 233), (213, 94, 0), (0, 0, 0), (255, 255, 255)
 _SECONDS = 4.0
-_TICKS = 90_000
 
 
 class Overlay:
@@ -74,54 +69,3 @@ class Overlay:
         left, top, right, bottom = pen.textbbox((x, 4), text, self._font)
         pen.rectangle([left - 3, top - 2, right + 3, bottom + 2], fill=ground)
         pen.text((x, 4), text, _WHITE, self._font)
-
-
-class VideoWriter:
-    """Encodes pictures at their own times. h264 needs even sizes, so an odd edge is repeated once."""
-
-    def __init__(self, container, fps: float):
-        self._container = container
-        self._fps = fps
-        self._stream = None
-
-    def write(self, picture: Picture, time: float) -> None:
-        """Append a picture that is shown from `time`, in ms."""
-        import av
-
-        picture = np.pad(picture, [(0, picture.shape[0] % 2), (0, picture.shape[1] % 2), (0, 0)], mode="edge")
-        if self._stream is None:
-            rate = Fraction(self._fps).limit_denominator(1001)
-            stream = self._container.add_stream("libx264", rate=rate, options={"crf": "20"})
-            stream.height, stream.width = picture.shape[:2]
-            stream.pix_fmt = "yuv420p"
-            stream.codec_context.time_base = Fraction(1, _TICKS)
-            self._stream = stream
-        frame = av.VideoFrame.from_ndarray(np.ascontiguousarray(picture), format="rgb24")
-        frame.pts, frame.time_base = round(time / 1000 * _TICKS), Fraction(1, _TICKS)
-        self._container.mux(self._stream.encode(frame))
-
-    def close(self) -> None:
-        """Write what the encoder still holds."""
-        if self._stream is not None:
-            self._container.mux(self._stream.encode(None))
-
-
-@contextlib.contextmanager
-def video_writer(path: str | os.PathLike, fps: float) -> Iterator[VideoWriter]:
-    """A video file to write pictures to, complete when the block ends well.
-
-    **Raises:** `ValueError` without PyAV, and for a name whose suffix is no video format.
-    """
-    try:
-        import av
-        from av.error import FFmpegError
-    except ImportError:
-        raise ValueError("writing video needs PyAV: pip install 'lgmd2jax[video]'") from None
-    try:
-        container = av.open(os.fspath(path), "w")
-    except (ValueError, FFmpegError):
-        raise ValueError("cannot tell the format of the video; end its name in .mp4, .mkv or .mov") from None
-    with container:
-        writer = VideoWriter(container, fps)
-        yield writer
-        writer.close()

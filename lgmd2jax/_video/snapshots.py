@@ -1,8 +1,9 @@
 """A handful of pictures, spread evenly over a clip whose length is not known beforehand."""
 
 import dataclasses
+from collections.abc import Callable
 
-from lgmd2jax._video.pictures import Picture
+from lgmd2jax._video.grey import Picture
 
 
 @dataclasses.dataclass(frozen=True)
@@ -24,17 +25,18 @@ class Snapshots:
     def __init__(self):
         self._kept: list[Snapshot] = []
         self._first_alarm: Snapshot | None = None
-        self._seen = 0
+        self._offered = 0
         self._stride = 1
 
-    def offer(self, frame: int, time: float, alarm: bool, picture: Picture) -> None:
-        """Look at the next frame of the clip."""
-        wanted, first_alarm = self._seen % self._stride == 0, alarm and self._first_alarm is None
-        self._seen += 1
+    def offer(self, frame: int, time: float, alarm: bool, picture: Callable[[], Picture]) -> None:
+        """Take the next frame of the clip, or leave it; the picture is asked for only when it is taken."""
+        wanted, first_alarm = self._offered % self._stride == 0, alarm and self._first_alarm is None
+        self._offered += 1
         if not (wanted or first_alarm):
             return
-        step = max(1, picture.shape[1] // self.WIDTH)
-        snapshot = Snapshot(frame, time, alarm, picture[::step, ::step].copy())
+        whole = picture()
+        step = max(1, whole.shape[1] // self.WIDTH)
+        snapshot = Snapshot(frame, time, alarm, whole[::step, ::step].copy())
         if first_alarm:
             self._first_alarm = snapshot
         if wanted:

@@ -47,7 +47,7 @@ def choose(
         return expit(side * (scaled - np.reshape(threshold, (-1, 1)).astype(np.float32)) / np.float32(slack)) @ weights_
 
     coarse = np.linspace(low, high, _COARSE)
-    best = coarse[np.argmin([risk(it) for it in coarse], axis=0)]
+    best = coarse[np.argmin([risk(threshold) for threshold in coarse], axis=0)]
     fine = np.clip(best + np.linspace(-1, 1, _FINE)[:, None] * (coarse[1] - coarse[0]), low, high)
     risks = np.array([risk(row) for row in fine])
     place = risks.argmin(axis=0)[None]

@@ -29,12 +29,12 @@ def evidence(u: Float[Array, "*batch time"], sigma_sp: ScalarLike, N_sp: int, N_
     before = jnp.full_like(u[..., :N_ts], NEVER)
     padded = jnp.concatenate([before, u], axis=-1)
     largest = _falling([padded[..., i : i + u.shape[-1]] for i in range(frames)])
-    ways = []
+    highest = []
     for b in range(max(0, N_sp - frames), min(N_sp, frames) + 1):
         a = N_sp - b
         terms = ([largest[a - 1]] if a else []) + ([largest[b - 1] - sigma_sp] if b else [])
-        ways.append(functools.reduce(jnp.minimum, terms))
-    return functools.reduce(jnp.maximum, ways)
+        highest.append(functools.reduce(jnp.minimum, terms))
+    return functools.reduce(jnp.maximum, highest)
 
 
 def _falling(rows: list[Array]) -> list[Array]:

@@ -11,11 +11,11 @@ from jaxtyping import Array, Bool, Float
 
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._targets.observation import Observation
+from lgmd2jax.alarms._clip import LabelledClip
+from lgmd2jax.alarms._clip_batch import ClipBatch, Sums, batches_of
 from lgmd2jax.alarms._evidence import NEVER
-from lgmd2jax.alarms._footage import Footage
-from lgmd2jax.alarms._reel import Reel, Sums, reels_of
-from lgmd2jax.fitting._free import Free
-from lgmd2jax.fitting._space import Space
+from lgmd2jax.fitting import Free
+from lgmd2jax.fitting._search.space import Space
 
 # Shortfalls are counted from a margin that no model has, U' lying in [.5, 1), so that the descent never rests.
 _GOAL = 0.25
@@ -33,13 +33,13 @@ class Event(NamedTuple):
 class AlarmProblem(Space[LGMD2]):
     """Labelled clips and what is free. `T_sp` is among it."""
 
-    reels: tuple[Reel, ...]
+    batches: tuple[ClipBatch, ...]
     events: tuple[Event, ...] = eqx.field(static=True)
     N_sp: int = eqx.field(static=True)
 
     @property
-    def searched(self) -> tuple[int, ...]:
-        """The free parameters of the cell that are searched: all but T_sp, whose best value is known."""
+    def cell_entries(self) -> tuple[int, ...]:
+        """The entries of a point that a search over the cell moves: all but T_sp, whose best value is known."""
         return tuple(i for i in self.cell_indices if i != self.threshold)
 
     @property
@@ -52,6 +52,11 @@ class AlarmProblem(Space[LGMD2]):
         """Which events want an alarm."""
         return np.array([event.wanted for event in self.events])
 
+    def own_events(self) -> dict[int, Bool[np.ndarray, " event"]]:
+        """Which events belong to each clip that has any, by the clip's number."""
+        owners = np.array([event.clip for event in self.events])
+        return {int(clip): owners == clip for clip in np.unique(owners)}
+
     @property
     def weights(self) -> Float[np.ndarray, " event"]:
         """What each event weighs."""
@@ -59,18 +64,18 @@ class AlarmProblem(Space[LGMD2]):
 
     def sums(self, model: LGMD2) -> tuple[Sums, ...]:
         """MP and F of every clip: all that the cell sees."""
-        return tuple(reel.sums(model) for reel in self.reels)
+        return tuple(batch.sums(model) for batch in self.batches)
 
     def peaks(
         self, model: LGMD2, sums: Sequence[Sums], smooth: Float[Array, ""] | None = None
     ) -> Float[Array, " event"]:
         """The largest evidence in each event; a soft maximum, of frames within `smooth` of it, where that is given."""
-        found = []
-        for reel, seen in zip(self.reels, sums, strict=True):
-            trace = reel.traces(model, seen, self.N_sp)
-            found.append(_largest(trace[:, None], reel.windows, smooth)[np.array(reel.windowed, bool)])
-            found.append(_largest(trace, reel.silent, smooth)[np.array(reel.silenced, bool)])
-        return jnp.concatenate(found)
+        peaks = []
+        for batch, its_sums in zip(self.batches, sums, strict=True):
+            trace = batch.traces(model, its_sums, self.N_sp)
+            peaks.append(_largest(trace[:, None], batch.windows, smooth)[np.array(batch.has_window, bool)])
+            peaks.append(_largest(trace, batch.silent, smooth)[np.array(batch.has_silence, bool)])
+        return jnp.concatenate(peaks)
 
     def residuals(
         self, z: Float[Array | np.ndarray, " free"], temperature: Float[Array, ""] | None
@@ -91,15 +96,17 @@ def _largest(trace: Array, among: Array, smooth: Float[Array, ""] | None) -> Arr
     return (shares * trace).sum(axis=-1) / jnp.where(total > 0, total, 1.0)
 
 
-def problem_of(model: LGMD2, free: Free, clips: Sequence[Footage], miss: float, false_alarm: float) -> AlarmProblem:
+def problem_of(
+    model: LGMD2, free: Free, clips: Sequence[LabelledClip], miss: float, false_alarm: float
+) -> AlarmProblem:
     """The problem of labelled clips.
 
     **Arguments:** `miss`, `false_alarm`: what it costs to miss a window, and to break a clip's silence.
     """
-    reels, events = reels_of(clips), []
-    for reel in reels:
-        for member, windowed in zip(reel.members, reel.windowed, strict=True):
-            events += [Event(member, True, miss)] * sum(windowed)
-        for member, silenced in zip(reel.members, reel.silenced, strict=True):
-            events += [Event(member, False, false_alarm)] * silenced
-    return AlarmProblem(model, Observation(), free, reels, tuple(events), round(float(model.parameters.N_sp)))
+    batches, events = batches_of(clips), []
+    for batch in batches:
+        for member, has_window in zip(batch.members, batch.has_window, strict=True):
+            events += [Event(member, True, miss)] * sum(has_window)
+        for member, has_silence in zip(batch.members, batch.has_silence, strict=True):
+            events += [Event(member, False, false_alarm)] * has_silence
+    return AlarmProblem(model, Observation(), free, batches, tuple(events), round(float(model.parameters.N_sp)))

@@ -13,9 +13,9 @@ import numpy as np
 from lgmd2jax._files.catalogue import beside, read_named
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._protocol.arguments import check_keys, section
+from lgmd2jax.alarms._clip import LabelledClip
 from lgmd2jax.alarms._fit import fit
-from lgmd2jax.alarms._footage import Footage
-from lgmd2jax.alarms._footage_file import FootageFile, Rendered, load_footage, rendered
+from lgmd2jax.alarms._label_file import LabelFile, Rendering, load_labels
 from lgmd2jax.alarms._result import AlarmFit
 from lgmd2jax.fitting import Free
 from lgmd2jax.fitting._sections import free_of, model_of
@@ -38,10 +38,10 @@ class AlarmRecipe:
     name: str
     model: LGMD2
     free: Free
-    file: FootageFile
+    file: LabelFile
     weights: Mapping[str, float | int]
     solver: Mapping[str, Any]
-    validation: Rendered | None
+    validation: Rendering | None
     table: Mapping[str, Any]
 
     @property
@@ -49,23 +49,23 @@ class AlarmRecipe:
         """Of the search's random points."""
         return self.solver.get("seed", 0)
 
-    def run(self, clips: Sequence[Footage], progress: bool = False, memory=None) -> AlarmFit:
+    def run(self, clips: Sequence[LabelledClip], progress: bool = False, memory=None) -> AlarmFit:
         """Make the fit."""
         settings = {name: value for name, value in self.solver.items() if name != "seed"}
         key = jax.random.key(self.seed)
         return fit(self.model, clips, self.free, key=key, progress=progress, memory=memory, **self.weights, **settings)
 
-    def held_out(self) -> tuple[Footage, ...]:
+    def held_out(self) -> tuple[LabelledClip, ...]:
         """The clips that the fit does not see."""
-        return tuple(rendered(self.file.eye, self.validation))
+        return () if self.validation is None else tuple(self.validation.clips(self.file.eye))
 
-    def digest(self, clips: Sequence[Footage]) -> str:
+    def digest(self, clips: Sequence[LabelledClip]) -> str:
         """A digest of all that the fit sees: recipe, clips and labels."""
-        seen = hashlib.sha256(json.dumps(self.table, sort_keys=True).encode())
+        digest = hashlib.sha256(json.dumps(self.table, sort_keys=True).encode())
         for clip in clips:
-            seen.update(repr((clip.fps, clip.windows, clip.silent, clip.contact)).encode())
-            seen.update(np.ascontiguousarray(clip.frames).tobytes() + clip.index.tobytes())
-        return seen.hexdigest()
+            digest.update(repr((clip.fps, clip.windows, clip.silent, clip.contact)).encode())
+            digest.update(np.ascontiguousarray(clip.frames).tobytes() + clip.index.tobytes() + clip.interval.tobytes())
+        return digest.hexdigest()
 
 
 def load_recipe(source: str | Path) -> AlarmRecipe:
@@ -87,11 +87,11 @@ def alarm_recipe(path: Path, table: dict[str, Any]) -> AlarmRecipe:
     for key in ("protocol", "free"):
         if key not in table:
             raise ValueError(f"{key} is missing")
-    file = load_footage(beside(path, table["protocol"]))
-    validation = section(table, "validation", [field.name for field in dataclasses.fields(Rendered)])
-    asked = Rendered(**validation) if validation else None
-    if asked is not None and file.rendered is not None and asked.seed == file.rendered.seed:
-        raise ValueError(f"validation has the seed {asked.seed} of the clips that are fitted; give another one")
+    file = load_labels(beside(path, table["protocol"]))
+    validation = section(table, "validation", [field.name for field in dataclasses.fields(Rendering)])
+    held_out = Rendering(**validation) if validation else None
+    if held_out is not None and file.rendered is not None and held_out.seed == file.rendered.seed:
+        raise ValueError(f"validation has the seed {held_out.seed} of the clips that are fitted; give another one")
     return AlarmRecipe(
         name=path.stem,
         model=model_of(table, file.eye),
@@ -99,6 +99,6 @@ def alarm_recipe(path: Path, table: dict[str, Any]) -> AlarmRecipe:
         file=file,
         weights=section(table, "weights", _WEIGHTS),
         solver=section(table, "solver", _SOLVER),
-        validation=asked,
+        validation=held_out,
         table=table,
     )

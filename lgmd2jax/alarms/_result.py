@@ -1,25 +1,18 @@
-"""What a fit of alarms found."""
+"""The result of a fit of alarms."""
 
 import dataclasses
 from collections.abc import Mapping
-from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
 from lgmd2jax._network.lgmd2 import LGMD2
-from lgmd2jax.alarms._report import Held, text
-from lgmd2jax.alarms._watch import Watch
-from lgmd2jax.fitting._free import Free
-
-
-class Descended(NamedTuple):
-    """One start: its number, the margin that the search had found and the one after the descent, and its cost."""
-
-    start: int
-    before: float
-    after: float
-    cost: float
+from lgmd2jax._reports.section import Section, as_text
+from lgmd2jax._words import warn_renamed
+from lgmd2jax.alarms import _report
+from lgmd2jax.alarms._evaluation import Evaluation, HeldOutScores
+from lgmd2jax.alarms._starts import AlarmDescent
+from lgmd2jax.fitting import Free
 
 
 @dataclasses.dataclass(frozen=True)
@@ -29,7 +22,7 @@ class AlarmFit:
     - `model`: what is handed over, with hard thresholds.
     - `cost`: the weight of what it gets wrong; 0 where it is right on all clips.
     - `margin`: how far T_sp may move, up or down, before a verdict changes, in units of U'.
-    - `watch`: what it does on the clips.
+    - `evaluation`: what it does on the clips.
     - `screened`, `right`: how many parameter sets were tried anywhere within the bounds, and how many of them were
       right on all clips.
     - `ranges`: between which values each parameter lay in those.
@@ -43,14 +36,29 @@ class AlarmFit:
     z: Float[np.ndarray, " free"]
     cost: float
     margin: float
-    watch: Watch
+    evaluation: Evaluation
     screened: int
     right: int
     ranges: Mapping[str, tuple[float, float]]
-    descended: tuple[Descended, ...]
+    descended: tuple[AlarmDescent, ...]
     left_out: Mapping[str, int]
     stopped: bool
 
-    def summary(self, held: Held | None = None) -> str:
-        """The report as text. `held`: what models do on clips that the fit did not see."""
-        return text(self, held)
+    @property
+    def watch(self) -> Evaluation:
+        """The old name of `evaluation`."""
+        warn_renamed("AlarmFit.watch", "AlarmFit.evaluation")
+        return self.evaluation
+
+    def sections(self, held_out: HeldOutScores | None = None) -> list[Section]:
+        """The report's sections. `held_out`: what models do on clips that the fit did not see."""
+        return [
+            _report.clip_section(self.evaluation, self.left_out),
+            *([] if held_out is None else [_report.held_out_section(held_out)]),
+            _report.search_section(self.screened, self.right, self.descended, self.left_out, self.stopped),
+            _report.parameter_section(self.free, self.model.parameters, self.ranges),
+        ]
+
+    def summary(self, held_out: HeldOutScores | None = None) -> str:
+        """The report as text, at most 110 columns wide."""
+        return as_text(self.sections(held_out))

@@ -4,62 +4,20 @@ import argparse
 import contextlib
 import dataclasses
 import json
-from pathlib import Path
 
 import jax
 
 from lgmd2jax._characterise import Characterisation, ablations, characterise, differences, rasters
-from lgmd2jax._characterise.table import table
+from lgmd2jax._characterise.result import table
 from lgmd2jax._eye import Eye
 from lgmd2jax._files.atomic import replaced
 from lgmd2jax._handover.named import model_file, model_named
-from lgmd2jax._network.abstract import Network
-from lgmd2jax._network.frame_rate import at_frame_rate
+from lgmd2jax._network.abstract import AbstractNetwork
+from lgmd2jax._network.variants import at_frame_rate
 from lgmd2jax._results.fit_folder import MARKER, load_fit
 from lgmd2jax.fitting import Fit
 
 _PRESET_FPS = 30.0  # the robot's camera, for which Table I is taken to hold
-_EXAMPLES = """\
-examples:
-  lgmd2jax characterise lgmd2                              the shipped fit lgmd2
-  lgmd2jax characterise preset:lgmd2 lgmd2 preset:balanced --figure models.png --json models.json
-                                                           the paper's, a fitted one, and one like an LGMD1
-  lgmd2jax characterise preset:lgmd2 preset:yue_rind       beside the LGMD1 that the paper compares with
-  lgmd2jax characterise mine/model.json --ablate           without FFI, SFA, lateral inhibition, ON pathway
-  lgmd2jax characterise mine/model.json --raster           objects moved by half a pixel; an eye of 1 degree a pixel
-
-A model is shown the stimuli with its own eye and frame rate. A preset has neither: it is given the eye `locust`,
-48 x 64 at 2 degrees and 100 fps, and its values per frame are scaled from 30 fps. The first model of an eye takes a
-minute to compile and to render for, others a second.
-"""
-
-
-def add(commands) -> None:
-    """Add the command to argparse's sub-commands."""
-    parser = commands.add_parser(
-        "characterise",
-        help="22 response properties of a looming-sensitive neuron, measured on models",
-        description="Measure the 22 response properties of a looming-sensitive neuron on models, side by side, each "
-        "with its bound and the evidence for it.",
-        epilog=_EXAMPLES,
-    )
-    parser.add_argument(
-        "models",
-        metavar="MODEL",
-        nargs="+",
-        help="a hand-over file model.json, the name of a shipped fit, or preset:NAME",
-    )
-    parser.add_argument("--json", type=Path, metavar="FILE", help="values, bounds, verdicts, evidence")
-    parser.add_argument("--figure", type=Path, metavar="FILE", help="small panels, one colour a model")
-    parser.add_argument(
-        "--intervals",
-        action="store_true",
-        help="intervals of the summary, from 100 models drawn from the covariance of the fit beside a model.json",
-    )
-    variants = parser.add_mutually_exclusive_group()
-    variants.add_argument("--ablate", action="store_true", help="one model as it is and with mechanisms taken out")
-    variants.add_argument("--raster", action="store_true", help="one model on other rasters, and what changes by that")
-    parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> None:
@@ -78,33 +36,34 @@ def run(options: argparse.Namespace) -> None:
     outputs = [path for path in (options.json, options.figure) if path is not None]
     with contextlib.ExitStack() as stack:
         files = {path: stack.enter_context(replaced(path)) for path in outputs}
-        found, remarks = _examined(models, options)
+        results, remarks = _examined(models, options)
         if options.json:
-            content = {"models": {name: it.plain() for name, it in found.items()}, "remarks": remarks}
+            content = {"models": {name: result.plain() for name, result in results.items()}, "remarks": remarks}
             files[options.json].write_text(json.dumps(content, indent=1, allow_nan=False) + "\n", encoding="utf-8")
         if options.figure:
-            characterisation_figure(files[options.figure], found)
-    print("\n".join([table(found), *(["", *remarks] if remarks else [])]))
+            characterisation_figure(files[options.figure], results)
+    print("\n".join([table(results), *(["", *remarks] if remarks else [])]))
     if outputs:
         print("\nwrote " + ", ".join(str(path) for path in outputs))
 
 
-def _examined(models: dict[str, Network | Fit], options) -> tuple[dict[str, Characterisation], list[str]]:
-    one = next(iter(models.values()))
-    one = one.model if isinstance(one, Fit) else one
+def _examined(models: dict[str, AbstractNetwork | Fit], options) -> tuple[dict[str, Characterisation], list[str]]:
+    """The result of each model or variant by name, and remarks on their differences."""
+    first = next(iter(models.values()))
+    first = first.model if isinstance(first, Fit) else first
     if options.ablate:
-        return ablations(one, progress=True), []
+        return ablations(first, progress=True), []
     if options.raster:
-        found = rasters(one, progress=True)
-        return found, differences(found)
-    found = {}
+        results = rasters(first, progress=True)
+        return results, differences(results)
+    results = {}
     for name, model in models.items():
         key = jax.random.key(0) if isinstance(model, Fit) else None
-        found[name] = characterise(model, key=key, progress=True)
-    return found, []
+        results[name] = characterise(model, key=key, progress=True)
+    return results, []
 
 
-def _named(name: str, with_fit: bool) -> Network | Fit:
+def _named(name: str, with_fit: bool) -> AbstractNetwork | Fit:
     """The model, or the fit that lies beside it; a preset on the eye of a locust."""
     path = model_file(name)
     if path is None:

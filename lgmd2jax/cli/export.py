@@ -5,44 +5,13 @@ from pathlib import Path
 
 from lgmd2jax import hard
 from lgmd2jax._files.atomic import replaced
-from lgmd2jax._handover.model_file import handed_over, save
+from lgmd2jax._handover.model_file import as_lgmd2, save
 from lgmd2jax._handover.named import model_file, model_named
-
-_EXAMPLES = """\
-examples:
-  lgmd2jax export dcmd --python robot           the shipped fit dcmd: writes robot/model.json and robot/hard.py
-  lgmd2jax export mine/model.json --python .    one of your own, into the current folder
-  lgmd2jax export preset:lgmd2 --python robot   the paper's parameters
-
-The folder needs Python and NumPy, and nothing of lgmd2jax. Whoever loads model.json runs the clip in it first, and
-refuses the file where the response is not the one that it states.
-"""
-
-
-def add(commands) -> None:
-    """Add the command to argparse's sub-commands."""
-    parser = commands.add_parser(
-        "export",
-        help="hand a model over to a robot",
-        description="Write a model with hard thresholds, and the one file of NumPy that runs it, into a folder.",
-        epilog=_EXAMPLES,
-    )
-    parser.add_argument(
-        "model", metavar="MODEL", help="a hand-over file model.json, the name of a shipped fit, or preset:NAME"
-    )
-    parser.add_argument(
-        "--python",
-        type=Path,
-        required=True,
-        metavar="DIR",
-        help="the folder for model.json and hard.py; made if missing",
-    )
-    parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> None:
     """Check the model, write both files, and say how to use them."""
-    model, folder = handed_over(model_named(options.model)), options.python
+    model, folder = as_lgmd2(model_named(options.model)), options.python
     paths = folder / "model.json", folder / "hard.py"
     _check_place(folder, paths)
     source = Path(hard.__file__).read_bytes()

@@ -1,21 +1,37 @@
 """The command line: `lgmd2jax COMMAND ...`. Each command reads, calls the library, and names what it wrote."""
 
 import argparse
+import contextlib
+import importlib
+import os
+import signal
 import sys
-
-import jax
+import traceback
+from collections.abc import Iterator
+from importlib.metadata import version
+from opcode import opname
+from types import ModuleType
 
 from lgmd2jax._compute.xla import set_flags
-from lgmd2jax.cli import (
-    characterise as _command_characterise,
-    export as _command_export,
-    fit as _command_fit,
-    predict as _command_predict,
-    respond as _command_respond,
-    stimuli as _command_stimuli,
-    sweep as _command_sweep,
-    watch as _command_watch,
-)
+from lgmd2jax._video.remarks import clip_warnings_as_lines
+from lgmd2jax.cli.options import characterise, export, fit, predict, respond, stimuli, sweep, watch
+
+_COMMANDS = (respond, watch, fit, predict, characterise, sweep, stimuli, export)
+_EXAMPLES = """\
+examples:
+  lgmd2jax respond crash.mp4        run the paper's model on a video
+  lgmd2jax stimuli looming          draw the stimuli of a shipped protocol
+  lgmd2jax fit twin                 fit a model by a shipped recipe
+  lgmd2jax respond --help           what a command takes, with examples
+
+exit status:
+  0    done
+  1    something that was given is wrong: one line says what, and how to mend it
+  2    the command line is wrong
+  70   a fault of lgmd2jax itself: please report it, with what --traceback shows
+  130  stopped by Ctrl-C
+"""
+_STOPPED = "stopped; nothing was written"
 
 
 class _Parser(argparse.ArgumentParser):
@@ -23,35 +39,103 @@ class _Parser(argparse.ArgumentParser):
 
     def __init__(self, **settings):
         super().__init__(formatter_class=argparse.RawDescriptionHelpFormatter, **settings)
+        self.add_argument(
+            "--traceback",
+            action="store_true",
+            default=argparse.SUPPRESS,  # so that it may stand before the command or after it
+            help="in an error, also show where in the program it arose",
+        )
 
     def error(self, message):
         self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run one command and return its exit status: 0, else with one line on standard error."""
-    parser = _Parser(prog="lgmd2jax", description="The LGMD2 collision detector of juvenile locusts.")
-    commands = parser.add_subparsers(metavar="COMMAND", required=True)
-    for command in (
-        _command_respond,
-        _command_watch,
-        _command_fit,
-        _command_predict,
-        _command_characterise,
-        _command_sweep,
-        _command_stimuli,
-        _command_export,
-    ):
-        command.add(commands)
-    options = parser.parse_args(arguments)
-    set_flags()
-    jax.config.update("jax_enable_x64", True)
+    """Run one command and return its exit status: 0, else with one line on standard error.
+
+    **Arguments:** `arguments`: what follows `lgmd2jax`; None: those of the process, which is this program then.
+
+    **Raises:** `SystemExit` for `--help`, `--version`, and what argparse refuses.
+    """
+    options = argparse.Namespace(traceback=False)
     try:
-        options.run(options)
-    except (ValueError, OSError) as error:
-        print(f"lgmd2jax: {' '.join(str(error).split())}", file=sys.stderr)
-        return 1
-    except KeyboardInterrupt:
-        print("lgmd2jax: stopped; nothing was written", file=sys.stderr)
-        return 130
+        with _ended_by_ctrl_c() if arguments is None else contextlib.nullcontext():
+            _parser().parse_args(arguments, options)
+            command = _loaded(options.command)
+        with clip_warnings_as_lines():
+            command.run(options)
+    except (Exception, KeyboardInterrupt) as error:
+        if options.traceback:
+            traceback.print_exception(error)
+        message, status = _explanation(error)
+        print(f"lgmd2jax: {' '.join(message.split())}", file=sys.stderr)
+        return status
     return 0
+
+
+@contextlib.contextmanager
+def _ended_by_ctrl_c() -> Iterator[None]:
+    """End the process at once on Ctrl-C, while modules load and nothing is begun.
+
+    Extension modules crash on an exception amid their set-up, or swallow it.
+    """
+    if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:  # a job in the background ignores Ctrl-C
+        yield
+        return
+
+    def end(*_):
+        os.write(2, f"lgmd2jax: {_STOPPED}\n".encode())
+        os._exit(130)
+
+    signal.signal(signal.SIGINT, end)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def _parser() -> _Parser:
+    parser = _Parser(
+        prog="lgmd2jax",
+        description="The LGMD2 collision detector of juvenile locusts: run it on video, fit it, hand it over.",
+        epilog=_EXAMPLES,
+    )
+    parser.add_argument("--version", action="version", version=f"%(prog)s {version('lgmd2jax')}")
+    commands = parser.add_subparsers(dest="command", title="commands", metavar="COMMAND", required=True)
+    for command in _COMMANDS:
+        command.add(commands)
+    return parser
+
+
+def _loaded(command: str) -> ModuleType:
+    """The module of a command, with JAX, which takes seconds: not to be waited for by who asks for help."""
+    set_flags()
+    import jax
+
+    jax.config.update("jax_enable_x64", True)
+    return importlib.import_module(f"lgmd2jax.cli.{command}")
+
+
+def _explanation(error: BaseException) -> tuple[str, int]:
+    """What is said of an error, and the exit status."""
+    if isinstance(error, KeyboardInterrupt):
+        return _STOPPED, 130
+    if isinstance(error, OSError) or _is_refusal(error):
+        return str(error), 1
+    return f"internal error, {type(error).__name__}: {error}; please report it, with what --traceback shows", 70
+
+
+def _is_refusal(error: BaseException) -> bool:
+    """Whether a `raise` statement of this package made the error, and so wrote its message for the user.
+
+    What Python or another package raises is a fault of the program, also where a line of ours asked for it. The
+    instruction tells the two apart, since JAX cuts its own frames out of a traceback.
+    """
+    innermost = error.__traceback__
+    while innermost is not None and innermost.tb_next is not None:
+        innermost = innermost.tb_next
+    if innermost is None:
+        return False
+    package = innermost.tb_frame.f_globals.get("__name__", "").partition(".")[0]
+    instruction = innermost.tb_frame.f_code.co_code[innermost.tb_lasti]
+    return package == "lgmd2jax" and opname[instruction] == "RAISE_VARARGS"

@@ -10,47 +10,14 @@ from lgmd2jax._files.atomic import replaced
 from lgmd2jax._files.folder import check_folder
 from lgmd2jax._recipes.load import load_recipe
 from lgmd2jax._recipes.sweep import SweepRecipe
-from lgmd2jax.cli.recipe_option import add_recipe, folder_of
+from lgmd2jax.cli.recipe_results import folder_of
 
 _STORE, _FIGURE = "sweep.zarr", "sweep.png"
-_EXAMPLES = """\
-examples:
-  lgmd2jax sweep contrast_speed             a shipped recipe: results in contrast_speed/ here
-  lgmd2jax sweep mine.toml                  one of your own: results in mine/ beside mine.toml
-  lgmd2jax sweep mine.toml -o tonight       results in tonight/
-
-A sweep that was stopped or killed goes on where it was when the same line is given again. The folder holds
-  sweep.zarr   the labelled arrays: xarray.open_zarr("mine/sweep.zarr", consolidated=False)
-  sweep.png    the surface that the recipe asks for
-
-A recipe is a TOML file:
-  kind = "sweep"
-  family = "looming"
-  [eye]
-  preset = "locust"
-  [stimulus]
-  contrast = { from = -0.05, to = -1, count = 20 }
-  l_over_v = [10, 20, 40, 80]
-  [figure]
-  value = "peak"
-"""
-
-
-def add(commands) -> None:
-    """Add the command to argparse's sub-commands."""
-    parser = commands.add_parser(
-        "sweep",
-        help="map the response over stimuli and parameters",
-        description="Compute the response over a grid of stimuli, parameters and models, and draw it as a surface.",
-        epilog=_EXAMPLES,
-    )
-    add_recipe(parser)
-    parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> None:
     """Make the sweep on all cores or accelerators, draw it, and name the folder."""
-    began = time.monotonic()
+    start = time.monotonic()
     _use_all_cores()
     recipe = load_recipe(options.recipe)
     if not isinstance(recipe, SweepRecipe):
@@ -59,7 +26,7 @@ def run(options: argparse.Namespace) -> None:
     check_folder(folder, _FIGURE if (folder / _FIGURE).is_file() else f"{_STORE}/zarr.json")
     folder.mkdir(exist_ok=True)
     try:
-        responses = recipe.run(progress=True, store=folder / _STORE)
+        surface = recipe.run(progress=True, store=folder / _STORE)
     except KeyboardInterrupt:
         print(f"stopped; {folder / _STORE} keeps what is finished: run again to go on")
         raise SystemExit(130) from None
@@ -67,9 +34,9 @@ def run(options: argparse.Namespace) -> None:
         from lgmd2jax._figures.sweep import surface_figure
 
         with replaced(folder / _FIGURE) as temporary:
-            surface_figure(temporary, responses, recipe.value, recipe.index, recipe.thresholds(), recipe.name)
-    sizes = " x ".join(f"{size} {name}" for name, size in responses.sizes.items())
-    print(f"wrote {folder}/ ({sizes}) in {time.monotonic() - began:.0f} s")
+            surface_figure(temporary, surface, recipe.value, recipe.index, recipe.thresholds(), recipe.name)
+    sizes = " x ".join(f"{size} {name}" for name, size in surface.sizes.items())
+    print(f"wrote {folder}/ ({sizes}) in {time.monotonic() - start:.0f} s")
 
 
 def _use_all_cores() -> None:

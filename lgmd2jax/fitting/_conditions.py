@@ -10,18 +10,18 @@ from lgmd2jax._targets.target import AnyTarget, Target
 from lgmd2jax.stimuli import Stimulus
 
 # A condition of a protocol, or a stimulus with its target or targets.
-Given = Condition | tuple[Stimulus, AnyTarget | Sequence[AnyTarget]]
+AnyCondition = Condition | tuple[Stimulus, AnyTarget | Sequence[AnyTarget]]
 
 
 class Rendered(NamedTuple):
-    """A stimulus with its targets at its frames, which need not be found again."""
+    """A stimulus with its targets at its frames."""
 
     stimulus: Stimulus
     targets: list[Target]
 
 
-def rendered(conditions: Sequence[Given]) -> list[Rendered]:
-    """The stimuli and their targets; stimuli without a name of their own are numbered.
+def render(conditions: Sequence[AnyCondition]) -> list[Rendered]:
+    """Render the stimuli and bring their targets to their frames; stimuli without a name of their own are numbered.
 
     **Raises:** `ValueError` for no conditions, for what is none, for one without targets, and for targets that do not
     fit their stimulus.
@@ -32,7 +32,7 @@ def rendered(conditions: Sequence[Given]) -> list[Rendered]:
         raise ValueError(f"conditions is of type {type(conditions).__name__}; give a list of them")
     if not conditions:
         raise ValueError("conditions is empty; give at least one stimulus with a target")
-    pairs = [_rendered(condition, number) for number, condition in enumerate(conditions, start=1)]
+    pairs = [_render(condition, number) for number, condition in enumerate(conditions, start=1)]
     common = {name for name, count in Counter(stimulus.name for stimulus, _ in pairs).items() if count > 1 or not name}
     return [
         Rendered(dataclasses.replace(stimulus, name=f"{stimulus.name or 'condition'} {number}"), targets)
@@ -42,7 +42,7 @@ def rendered(conditions: Sequence[Given]) -> list[Rendered]:
     ]
 
 
-def _rendered(condition: Given, number: int) -> Rendered:
+def _render(condition: AnyCondition, number: int) -> Rendered:
     if isinstance(condition, Rendered):
         return condition
     if isinstance(condition, Condition):

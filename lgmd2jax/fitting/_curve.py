@@ -1,4 +1,4 @@
-"""One target beside what the fitted model makes of it."""
+"""One target beside the fitted model's response."""
 
 import dataclasses
 from typing import Literal
@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from lgmd2jax._channels import TARGETS, Channel
-from lgmd2jax._network.abstract import Network
+from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._targets.observation import Observation
 from lgmd2jax._targets.target import Target
 from lgmd2jax.stimuli import Stimulus
@@ -60,8 +60,10 @@ class Curve:
         return self.r2() >= 0.5 or self.rmse() <= 0.1 * self.span
 
 
-def observed(model: Network, observation: Observation, stimulus: Stimulus, channel: Channel) -> np.ndarray:
-    """A channel of the response to a stimulus; `"rate"` is seen through the observation."""
+def predict(
+    model: AbstractNetwork, observation: Observation, stimulus: Stimulus, channel: Channel
+) -> Float[np.ndarray, " time"]:
+    """A channel of the response to a stimulus; `"rate"` by the observation."""
     response = model(stimulus.frames, stimulus.fps)
     if channel == "rate":
         return np.asarray(observation(response.smp_adapted, jnp.asarray(stimulus.time)))
@@ -77,7 +79,7 @@ def variance_explained(target: np.ndarray, curve: np.ndarray, weight: np.ndarray
 
 
 def curve_of(stimulus: Stimulus, target: Target, soft: np.ndarray, hard: np.ndarray, band: np.ndarray) -> Curve:
-    """The curves of one target, which stands at the frames of its stimulus."""
+    """The curves of one target, whose values stand at the frames of its stimulus."""
     nothing = np.full(len(target.values), np.nan)
     sem = nothing if target.sem is None else np.asarray(target.sem)
     weight = np.broadcast_to(target.weight, target.values.shape)

@@ -1,43 +1,45 @@
 """The fit: screening on two levels, descents from the best, the choice by the model's own loss, the uncertainty."""
 
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+import dataclasses
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from functools import partial
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+import equinox as eqx
+import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array
+from jaxtyping import Array, Float
 
-from lgmd2jax._compute.tasks import Memory, Stop, Work
-from lgmd2jax._network.abstract import Network
-from lgmd2jax._network.thresholds import Soft, StraightThrough
+from lgmd2jax._compute.tasks import Memory, Result, Work
+from lgmd2jax._network.abstract import AbstractNetwork
+from lgmd2jax._network.thresholds import Hard, Soft, StraightThrough
 from lgmd2jax._targets.observation import Observation, observation_symbols
 from lgmd2jax._words import nearest
-from lgmd2jax.fitting import _descent
-from lgmd2jax.fitting._conditions import Given, Rendered, rendered
-from lgmd2jax.fitting._descent import ENDED, STOPPED, Run, Solver
+from lgmd2jax.fitting._conditions import AnyCondition, Rendered, render
+from lgmd2jax.fitting._curve import Curve, curve_of
 from lgmd2jax.fitting._free import Free
-from lgmd2jax.fitting._outcome import outcome
-from lgmd2jax.fitting._problem import Problem, problem_of
+from lgmd2jax.fitting._problem import Curves, Problem, chi2_residuals, problem_of
 from lgmd2jax.fitting._result import Fit
 from lgmd2jax.fitting._robust import LOSSES, Loss
-from lgmd2jax.fitting._search import search_cell, sobol, starting_points, words_of
-from lgmd2jax.fitting._solver.levenberg_marquardt import BoundedLevenbergMarquardt
+from lgmd2jax.fitting._run import Run
+from lgmd2jax.fitting._search.descent import FINAL, STOPPED, Solver
+from lgmd2jax.fitting._search.search import TEMPERATURES, Search, check_counts
+from lgmd2jax.fitting._starts import CurveStarts
+from lgmd2jax.fitting._uncertainty.covariance import Uncertainty, prediction_band, uncertainty
+from lgmd2jax.fitting._uncertainty.jacobian import Sensitivity, sensitivity
+from lgmd2jax.fitting._uncertainty.linearity import nonlinear_parameters
 
 if TYPE_CHECKING:
     from distributed import Client
 
-TEMPERATURES = (0.5, 0.2, 0.05)
-# Of the residuals' norm: what is left to fall is then the square of it, far below what curves can tell.
-RTOL, ATOL = 3e-3, 1e-8
-_FURTHER = 5  # times the steps of all others, for the best descent to converge
 _APART = 0.02  # in the unit box; starts closer to a better one are not descended
 
 
 def fit(
-    model: Network,
-    conditions: Sequence[Given],
+    model: AbstractNetwork,
+    conditions: Sequence[AnyCondition],
     free: Free,
     *,
     key: Array,
@@ -81,12 +83,13 @@ def fit(
     - `memory`: a mapping that keeps finished work; given again, the fit goes on from there.
     - `client`: of a Dask cluster, on whose workers the starts are spread instead of on the cores here.
 
-    On Ctrl-C the best so far is returned; its `result` says so. Fits want float64: `jax_enable_x64`.
+    On Ctrl-C the best so far is returned; its `result` says so. Before the first start is finished the
+    `KeyboardInterrupt` goes on to the caller. Fits want float64: `jax_enable_x64`.
 
     **Raises:** `ValueError` for conditions without targets, for a start outside of its bounds, for more free parameters
     than independent samples, for a prior beside targets without errors, and for settings that make no sense.
     """
-    pairs, observation, free = rendered(conditions), observation or Observation(), free.of(type(model.parameters))
+    pairs, observation, free = render(conditions), observation or Observation(), free.of(type(model.parameters))
     temperatures = _temperatures(model, temperatures)
     counts = {"pixel_points": pixel_points, "cell_points": cell_points, "descend": descend, "max_steps": max_steps}
     _check(pairs, free, loss, counts)
@@ -98,92 +101,79 @@ def fit(
             "fix some, or add data"
         )
     start = free.place(model.parameters, observation)
-    seed = words_of(key)
-    points = starting_points(problem, start, pixel_points, seed)
-    solver = solver or BoundedLevenbergMarquardt(RTOL, ATOL, lower=0.0, upper=1.0)
-
-    starts = _Starts(problem, points, cell_points, seed, temperatures, solver, max_steps)
+    search = Search.of(
+        problem,
+        problem.cell_indices,
+        start,
+        key=key,
+        pixel_points=pixel_points,
+        cell_points=cell_points,
+        temperatures=temperatures,
+        solver=solver,
+    )
+    starts = CurveStarts(search, max_steps)
     with Work({} if memory is None else memory, progress, client) as work:
-        # The first calls compile, alone, before the threads need what they compile.
-        first = partial(search_cell, problem, points[0], starts.cells(0))
-        screened = work.do("screening", starts.screen, range(len(points)), first)
-        if not screened:
-            raise KeyboardInterrupt
+        screened = work.do("screening", starts.screen, range(pixel_points), starts.compile_screening)
         chosen = _apart(screened, descend)
         if not chosen:
             raise ValueError("no point of the search gave a finite loss; narrow the bounds of free, or fix its targets")
-        one_step = partial(_descent.solve, problem, points[0], temperatures[0], solver, 1)
-        descended = work.do("descending", partial(starts.descend, screened), chosen, one_step)
+        descended = work.do("descending", partial(starts.descend, screened), chosen, search.compile_descent)
         best = min(descended, key=lambda number: descended[number]["loss"], default=None)
-        if best is not None and descended[best]["result"] not in ENDED:
+        if best is not None and descended[best]["result"] not in FINAL:
             descended |= work.do("finishing", partial(starts.finish, descended), [best])
-        runs, stopped = [Run.of(it) for it in descended.values()], work.stop.is_set()
-    runs = sorted(runs, key=lambda it: it.loss) or [_not_run(screened[chosen[0]])]
+        stopped = work.stop.is_set()
+    runs = sorted((Run.of(plain) for plain in descended.values()), key=lambda run: run.loss)
+    runs = runs or [_not_run(screened[chosen[0]])]
     result = STOPPED if stopped else runs[0].result
-    if throw and result not in ENDED:
+    if throw and result not in FINAL:
         raise RuntimeError(f"the fit did not converge: {result}; see fit(..., throw=False)")
-    return outcome(
-        problem,
-        pairs,
-        runs=tuple(runs),
-        screened=tuple(sorted(it["loss"] for it in screened.values())),
-        start=start,
+
+    # All that is known of the best point: its curves, and how well they determine it.
+    z = np.array(runs[0].z)
+    slopes = sensitivity(problem, jnp.asarray(z), jnp.asarray(temperatures[-1], dtype=float))
+    if absolute_errors is None:
+        absolute_errors = all(target.has_error for _, targets in pairs for target in targets)
+    u = _uncertainty(problem, z, slopes, absolute_errors)
+    model, observation = problem.at(z)
+    return Fit(
+        model=model,
+        observation=observation,
+        free=free,
+        z=z,
+        start={freedom.name: float(freedom.value(at)) for freedom, at in zip(free.freedoms, start, strict=True)},
+        loss=runs[0].loss,
+        soft_loss=0.5 * float(jnp.square(slopes.residuals).sum()),
         temperatures=temperatures,
-        absolute_errors=absolute_errors,
+        uncertainty=u,
+        curved=nonlinear_parameters(chi2_residuals(problem, temperatures[-1], u.variance), z, u),
+        curves=_curves(problem, pairs, slopes, _hard_curves(problem, jnp.asarray(z)), u),
+        runs=tuple(runs),
+        screened=tuple(sorted(point["loss"] for point in screened.values())),
+        errors=problem.frame_errors(u.variance),
         result=result,
-        stats={"pixel_points": pixel_points, "cell_points": cell_points, "loss": loss, "seed": list(seed)},
+        stats={
+            "pixel_points": pixel_points,
+            "cell_points": cell_points,
+            "loss": loss,
+            "seed": list(search.seed),
+            "data": int(problem.known().sum()) - problem.priors,
+            "num_steps": sum(run.steps for run in runs),
+            "rules": _rules(pairs),
+        },
+        problem=problem,
     )
 
 
-@dataclass(frozen=True)
-class _Starts:
-    """What is to be done with a start by its number, wherever that is."""
-
-    problem: Problem
-    points: np.ndarray
-    cell_points: int
-    seed: tuple[int, ...]
-    temperatures: tuple[float, ...]
-    solver: Solver
-    max_steps: int
-
-    def cells(self, number: int) -> np.ndarray:
-        return sobol(len(self.problem.cell_indices), self.cell_points, (*self.seed, number))
-
-    def screen(self, number: int, stop: Stop) -> dict[str, Any]:
-        found = search_cell(self.problem, self.points[number], self.cells(number))
-        return {"z": np.asarray(found.z).tolist(), "loss": float(found.loss)}
-
-    def descend(self, screened: dict[int, dict[str, Any]], number: int, stop: Stop) -> dict[str, Any]:
-        begun = _descent.begin(self.problem, np.array(screened[number]["z"]), self.cells(number))
-        return self._go_on(begun, number, self.temperatures, self.max_steps, stop)
-
-    def finish(self, descended: dict[int, dict[str, Any]], number: int, stop: Stop) -> dict[str, Any]:
-        run = Run.of(descended[number])
-        return self._go_on(run, number, self.temperatures[-1:], _FURTHER * self.max_steps, stop)
-
-    def _go_on(self, run: Run, number: int, temperatures: tuple[float, ...], max_steps: int, stop: Stop):
-        how: dict[str, Any] = {"temperatures": temperatures, "solver": self.solver, "max_steps": max_steps}
-        return asdict(_descent.descend(self.problem, run, self.cells(number), **how, stop=stop))
-
-
-def _temperatures(model: Network, temperatures) -> tuple[float, ...]:
+def _temperatures(model: AbstractNetwork, temperatures) -> tuple[float, ...]:
     if temperatures is None:
         own = model.thresholds
         temperatures = [own.temperature] if isinstance(own, Soft | StraightThrough) else TEMPERATURES
-    temperatures = tuple(float(it) for it in temperatures)
-    if not temperatures or not all(np.isfinite(it) and it > 0 for it in temperatures):
+    temperatures = tuple(float(temperature) for temperature in temperatures)
+    if not temperatures or not all(np.isfinite(temperature) and temperature > 0 for temperature in temperatures):
         raise ValueError(f"temperatures is {temperatures}; give one or more positive numbers")
     if any(after >= before for before, after in pairwise(temperatures)):
         raise ValueError(f"temperatures is {temperatures}; let them fall")
     return temperatures
-
-
-def check_counts(counts: dict[str, int], at_least: int) -> None:
-    """Raise `ValueError` for the first that is no whole number, or too small."""
-    for name, count in counts.items():
-        if not isinstance(count, int) or count < at_least:
-            raise ValueError(f"{name} is {count!r}; give a whole number, {at_least} or more")
 
 
 def _check(pairs: Sequence[Rendered], free: Free, loss: str, counts: dict[str, int]) -> None:
@@ -191,17 +181,17 @@ def _check(pairs: Sequence[Rendered], free: Free, loss: str, counts: dict[str, i
         raise ValueError(f"loss is {loss!r}; choose {nearest(loss, LOSSES)}")
     check_counts(counts, at_least=1)
     targets = [target for _, targets in pairs for target in targets]
-    unseen = [name for name in free.names if name in observation_symbols()]
-    if unseen and not any(target.channel == "rate" for target in targets):
-        raise ValueError(f"{unseen[0]} is free, but no target is a rate, which alone depends on it; fix it")
-    beforehand = [it.name for it in free.freedoms if it.prior]
-    if beforehand and not all(target.has_error for target in targets):
+    of_rate = [name for name in free.names if name in observation_symbols()]
+    if of_rate and not any(target.channel == "rate" for target in targets):
+        raise ValueError(f"{of_rate[0]} is free, but no target is a rate, which alone depends on it; fix it")
+    with_prior = [freedom.name for freedom in free.freedoms if freedom.prior]
+    if with_prior and not all(target.has_error for target in targets):
         raise ValueError(
-            f"{beforehand[0]} has a prior, which can only be weighed against data of known error; give targets an error"
+            f"{with_prior[0]} has a prior, which can only be weighed against data of known error; give targets an error"
         )
 
 
-def _apart(screened: dict[int, dict[str, Any]], count: int) -> list[int]:
+def _apart(screened: Mapping[int, Result], count: int) -> list[int]:
     """The best points that are not near a better one."""
     chosen: list[int] = []
     for number in sorted(screened, key=lambda i: screened[i]["loss"]):
@@ -213,6 +203,48 @@ def _apart(screened: dict[int, dict[str, Any]], count: int) -> list[int]:
     return chosen
 
 
-def _not_run(point: dict[str, Any]) -> Run:
+def _not_run(point: Result) -> Run:
     z, loss = tuple(point["z"]), point["loss"]
     return Run(z, z, loss, loss, float("inf"), (), STOPPED)
+
+
+def _rules(pairs: Sequence[Rendered]) -> dict[str, int]:
+    """How samples are counted and errors arose, where that is not plain, and of how many targets."""
+    return dict(Counter(rule for _, targets in pairs for target in targets for rule in target.rules))
+
+
+def _uncertainty(problem: Problem, z: Float[np.ndarray, " free"], slopes: Sensitivity, absolute: bool) -> Uncertainty:
+    free, rows = problem.free, problem.known()
+    return uncertainty(
+        free.names,
+        z,
+        free.unpacked,
+        free.slopes(z),
+        np.asarray(slopes.jacobian)[rows],
+        np.asarray(slopes.residuals)[rows],
+        n_effective=problem.samples(),
+        absolute=absolute,
+        priors=problem.priors,
+    )
+
+
+@eqx.filter_jit
+def _hard_curves(problem: Problem, z: Float[Array, " free"]) -> Curves:
+    model, observation = problem.at(z)
+    hard = dataclasses.replace(model, thresholds=Hard())
+    return problem.curves(hard, observation, problem.sums(hard))
+
+
+def _curves(
+    problem: Problem, pairs: Sequence[Rendered], slopes: Sensitivity, hard: Curves, u: Uncertainty
+) -> tuple[Curve, ...]:
+    """A curve for every target, in the order of the conditions."""
+    curves = []
+    for (stimulus, targets), places in zip(pairs, problem.places, strict=True):
+        for target, (batch, slot, row) in zip(targets, places, strict=True):
+            frames = slice(len(target.values))
+            soft_curve = np.asarray(slopes.curves[batch][slot][row])[frames]
+            hard_curve = np.asarray(hard[batch][slot][row])[frames]
+            band = prediction_band(u, np.asarray(slopes.slopes[batch][slot][row])[frames])
+            curves.append(curve_of(stimulus, target, soft_curve, hard_curve, band))
+    return tuple(curves)

@@ -2,7 +2,7 @@
 
 import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any, Literal, TypeVar
 
 import equinox as eqx
@@ -11,7 +11,6 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from lgmd2jax._network.parameters import Parameters, ParameterSet, Symbol, symbols
-from lgmd2jax._network.yue_rind import YueRindParameters
 from lgmd2jax._targets.observation import Observation, observation_symbols
 from lgmd2jax._words import nearest
 
@@ -38,7 +37,6 @@ class Log(_Range):
 
 
 P = TypeVar("P", bound=ParameterSet)
-_KINDS = (Parameters, YueRindParameters)
 RANGES = {"linear": Linear, "log": Log}
 
 
@@ -87,14 +85,14 @@ class Free:
 
     A pair gives bounds, None takes those declared with the parameter (`symbols()`), and whether differences or factors
     count is declared there too; `Linear` and `Log` say it, and may carry a prior. What is not named stays fixed. Names
-    that both networks have are taken to be the LGMD2's, until a fit of the other asks for its own (`of`).
+    that several networks have are taken to be the LGMD2's, until a fit of another asks for its own (`of`).
 
     **Raises:** `ValueError` for unknown parameters, for none that is free, for bounds that are empty or leave the
     domain, for priors without width, and for ties to what is tied itself.
     """
 
     def __init__(self, **choices: "tuple[float | int, float | int] | _Range | Tie | None"):
-        known = (kind for kind in _KINDS if choices.keys() <= _symbols(kind).keys())
+        known = (kind for kind in _kinds() if choices.keys() <= _symbols(kind).keys())
         self._resolve(choices, next(known, Parameters))
 
     def _resolve(self, choices, kind: type[ParameterSet]) -> None:
@@ -207,6 +205,14 @@ def _replaced(owner: Any, values: Mapping[str, Array], known) -> Any:
     # In the dtype that the leaf has: another one would compile anew.
     leaves = [values[name].astype(jnp.asarray(getattr(owner, name)).dtype) for name in names]
     return eqx.tree_at(lambda tree: [getattr(tree, name) for name in names], owner, leaves)
+
+
+def _kinds() -> Iterator[type[ParameterSet]]:
+    """The parameters of every network that is defined, the LGMD2's first."""
+    kinds = [Parameters, *ParameterSet.__subclasses__()]
+    for kind in kinds:
+        yield kind
+        kinds.extend(kind.__subclasses__())
 
 
 def _symbols(kind: type[ParameterSet]) -> dict[str, Symbol]:

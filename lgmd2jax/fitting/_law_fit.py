@@ -2,17 +2,17 @@
 
 import dataclasses
 from collections.abc import Mapping, Sequence
-from functools import partial
 
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 from scipy.optimize import least_squares
 
+from lgmd2jax._channels import Channel
 from lgmd2jax._signals import line_through, vertex
 from lgmd2jax._targets.looming_law import LoomingLaw, course
 from lgmd2jax._targets.observation import Observation
-from lgmd2jax._targets.target import Channel, Target
+from lgmd2jax._targets.target import Target
 from lgmd2jax.fitting._curve import Curve, variance_explained
 from lgmd2jax.fitting._validation import leave_one_out
 from lgmd2jax.stimuli import Stimulus
@@ -26,7 +26,7 @@ _LOW, _HIGH = (1.0, -2.0, 0.0, 1.0, 0.0), (15.0, 2.0, 50.0, 2000.0, 150.0)
 
 @dataclasses.dataclass(frozen=True)
 class LawFit:
-    """eta with a gain (l/|v|)^exponent, seen through an observation as the network is."""
+    """eta with a gain (l/|v|)^exponent, behind an observation as the network is."""
 
     alpha: float
     exponent: float
@@ -52,7 +52,7 @@ class PeakLine:
 
 
 @dataclasses.dataclass(frozen=True)
-class Beside:
+class LawComparison:
     """Recording, network and looming law side by side.
 
     - `law`: fitted to all conditions, with alpha, exponent, baseline, gain and latency free. `r2`: of each condition.
@@ -72,32 +72,37 @@ def fit_law(pairs: Pairs, *, smoothing: float) -> LawFit:
     """The law that is nearest to the rates, by their weights, behind a Gaussian of `smoothing` ms."""
 
     def law_of(x: np.ndarray) -> LawFit:
-        alpha, exponent, baseline, gain, latency = (float(it) for it in x)
+        alpha, exponent, baseline, gain, latency = map(float, x)
         return LawFit(alpha, exponent, Observation(baseline, gain, latency, smoothing))
 
     def residuals(x: np.ndarray) -> np.ndarray:
         law = law_of(x)
-        return np.concatenate([(law.predict(it) - target.values) * target.scale for it, (target, *_) in pairs])
+        return np.concatenate(
+            [(law.predict(stimulus) - target.values) * target.scale for stimulus, (target, *_) in pairs]
+        )
 
-    # Interpolation makes the residuals piecewise linear in the latency: steps of a thousandth see over the kinks.
-    found = least_squares(residuals, _START, bounds=(_LOW, _HIGH), x_scale=np.abs(_START), diff_step=1e-3)
-    return law_of(found.x)
+    # Interpolation makes the residuals piecewise linear in the latency: steps of a thousandth step over the kinks.
+    solution = least_squares(residuals, _START, bounds=(_LOW, _HIGH), x_scale=np.abs(_START), diff_step=1e-3)
+    return law_of(solution.x)
 
 
-def beside_law(pairs: Pairs, curves: Sequence[Curve], *, smoothing: float) -> Beside:
+def compare_with_law(pairs: Pairs, curves: Sequence[Curve], *, smoothing: float) -> LawComparison:
     """The comparison for approaches whose first target is a rate; `curves` are those of the fitted network."""
-    fit = partial(fit_law, smoothing=smoothing)
-    law, hard = fit(pairs), {curve.condition: curve.hard for curve in curves if curve.channel == "rate"}
+    law, hard = (
+        fit_law(pairs, smoothing=smoothing),
+        {curve.condition: curve.hard for curve in curves if curve.channel == "rate"},
+    )
     r2, peaks = {}, {}
     for stimulus, (target, *_) in pairs:
         predicted = law.predict(stimulus)
         r2[stimulus.name] = variance_explained(target.values, predicted, target.weight)
-        seen = target.values, hard[stimulus.name], predicted
-        peaks[stimulus.name] = tuple(_peak_time(np.asarray(stimulus.time), it) for it in seen)
+        rates = target.values, hard[stimulus.name], predicted
+        peaks[stimulus.name] = tuple(_peak_time(np.asarray(stimulus.time), rate) for rate in rates)
+    left_out = leave_one_out(lambda others: fit_law(others, smoothing=smoothing).predict, pairs)
     speeds = np.array([stimulus.parameters["l_over_v"] for stimulus, _ in pairs], dtype=float)
     times = np.array(list(peaks.values()))
     lines = {name: _line(speeds, times[:, i]) for i, name in enumerate(("recording", "network", "looming law"))}
-    return Beside(law, r2, leave_one_out(fit, pairs), peaks, lines)
+    return LawComparison(law, r2, left_out, peaks, lines)
 
 
 def check_approaches(pairs: Pairs) -> None:

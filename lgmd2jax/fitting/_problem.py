@@ -12,19 +12,19 @@ from jax.tree_util import Partial
 from jaxtyping import Array, Bool, Float
 
 from lgmd2jax._compute.batching import each
-from lgmd2jax._network.abstract import Network, channels, potentials
+from lgmd2jax._network.abstract import AbstractNetwork
+from lgmd2jax._network.stages import Sums
 from lgmd2jax._targets.observation import Observation
-from lgmd2jax._targets.target import Target
+from lgmd2jax._targets.target import Target, stride
 from lgmd2jax.fitting._free import Free
 from lgmd2jax.fitting._robust import Loss, robust
-from lgmd2jax.fitting._space import Space
+from lgmd2jax.fitting._search.space import Space
 from lgmd2jax.stimuli import Stimulus
 
 # Far beyond any kernel: no smoothing reaches from a frame that a clip has into one that only fills up its batch.
 _FAR_MS = 1e6
 
-# Of every batch, each of its own size: MP and F, and the curve of each slot; (condition, time).
-Potentials = tuple[tuple[Float[Array, "_ _"], Float[Array, "_ _"]], ...]
+# Of every batch, each of its own size: the curve of each slot; (condition, time).
 Curves = list[list[Float[Array, "_ _"]]]
 
 
@@ -57,34 +57,33 @@ class Batch(eqx.Module):
     slots: tuple[Slot, ...]
 
 
-class Problem(Space[Network]):
+class Problem(Space[AbstractNetwork]):
     """A fit's data and what is free. Two problems of the same shapes share what is compiled."""
 
     batches: tuple[Batch, ...]
     places: tuple[tuple[Place, ...], ...] = eqx.field(static=True)
     loss: Loss = eqx.field(static=True, default="squares")
 
-    def potentials(self, model: Network) -> Potentials:
-        """MP and F of every condition: all that the cell sees."""
+    def sums(self, model: AbstractNetwork) -> tuple[Sums, ...]:
+        """MP and F of every batch, (condition, time): all that the cell needs."""
 
         def one(batch: Batch):
-            return each(lambda it: potentials(model, *it)[:2], (batch.frames, batch.interval))
+            return each(lambda clip: model.sums(*clip)[0], (batch.frames, batch.interval))
 
         return tuple(one(batch) for batch in self.batches)
 
-    def curves(self, model: Network, observation: Observation, seen: Potentials) -> Curves:
+    def curves(self, model: AbstractNetwork, observation: Observation, sums: tuple[Sums, ...]) -> Curves:
         """The predicted curve of every slot of every batch."""
         curves = []
-        for batch, (mp, f) in zip(self.batches, seen, strict=True):
-            pixels = batch.frames[0, 0].size
+        for batch, batch_sums in zip(self.batches, sums, strict=True):
+            pixels, channels = batch.frames[0, 0].size, [slot.channel for slot in batch.slots]
 
-            def one(mp, f, interval, time, batch=batch, pixels=pixels):
-                out = channels(model, mp, f, interval, pixels)
-                if any(slot.channel == "rate" for slot in batch.slots):
-                    out["rate"] = observation(out["smp_adapted"], time)
-                return [out[slot.channel] for slot in batch.slots]
+            def one(sums, interval, time, pixels=pixels, channels=channels):
+                response = model.respond(sums, interval, pixels)
+                rate = observation(response.smp_adapted, time) if "rate" in channels else None
+                return [rate if channel == "rate" else getattr(response, channel) for channel in channels]
 
-            curves.append(jax.vmap(one)(mp, f, batch.interval, batch.time))
+            curves.append(jax.vmap(one)(batch_sums, batch.interval, batch.time))
         return curves
 
     def differences(self, curves: Curves) -> Float[Array, " n"]:
@@ -110,18 +109,34 @@ class Problem(Space[Network]):
     ) -> tuple[Float[Array, " n_and_priors"], Curves]:
         """The residuals, and the curves that they come from."""
         model, observation = self.at(z, temperature)
-        curves = self.curves(model, observation, self.potentials(model))
+        curves = self.curves(model, observation, self.sums(model))
         return jnp.concatenate([self.differences(curves), self.free.penalties(z)]), curves
 
     @property
     def priors(self) -> int:
         """How many of the residuals, at their end, are penalties."""
-        return sum(it.prior is not None for it in self.free.freedoms)
+        return sum(freedom.prior is not None for freedom in self.free.freedoms)
 
     def known(self) -> Bool[np.ndarray, " n_and_priors"]:
         """Which of the residuals count: differences with a target, and penalties."""
         rows = [np.ravel(slot.scale) > 0 for batch in self.batches for slot in batch.slots]
         return np.concatenate([*rows, np.ones(self.priors, bool)])
+
+    def frame_errors(self, variance: float) -> dict[str, float]:
+        """By channel, the standard error that one frame would have if its neighbours told nothing of it.
+
+        A frame holds a fraction of a sample only, and its error counts as larger, where frames are correlated and where
+        values are further apart than the frames.
+
+        **Arguments:** `variance`: of a residual.
+        """
+        scales: dict[str, list[np.ndarray]] = {}
+        for batch in self.batches:
+            for slot in batch.slots:
+                for scale, thinning in zip(np.asarray(slot.scale), np.asarray(slot.thinning), strict=True):
+                    scales.setdefault(slot.channel, []).append(scale[scale > 0] / np.sqrt(thinning * stride(scale)))
+        noise = max(float(np.sqrt(variance)), 1e-9)  # a twin without noise has none
+        return {channel: noise / float(np.median(np.concatenate(rows))) for channel, rows in scales.items()}
 
     def samples(self) -> float:
         """How many independent samples the targets hold."""
@@ -130,22 +145,24 @@ class Problem(Space[Network]):
         )
 
 
-def weighed(problem: Problem, temperature: float, variance: float) -> Partial:
-    """The residuals of a point, with penalties that keep their width when the squares are divided by the variance.
+def chi2_residuals(problem: Problem, temperature: float, variance: float) -> Partial:
+    """The residuals of a point whose sum of squares, divided by `variance`, is chi2: penalties keep their width.
 
     All that they depend on is an argument, so that another parameter's profile compiles nothing.
     """
-    return Partial(_weighed, problem, jnp.asarray(temperature, dtype=float), jnp.asarray(variance, dtype=float))
+    return Partial(_chi2_residuals, problem, jnp.asarray(temperature, dtype=float), jnp.asarray(variance, dtype=float))
 
 
-def _weighed(problem: Problem, temperature: Float[Array, ""], variance: Float[Array, ""], z: Float[Array, " free"]):
+def _chi2_residuals(
+    problem: Problem, temperature: Float[Array, ""], variance: Float[Array, ""], z: Float[Array, " free"]
+) -> Float[Array, " n_and_priors"]:
     residuals = problem.residuals(z, temperature)
     data = len(residuals) - problem.priors
     return residuals.at[data:].multiply(jnp.sqrt(variance))
 
 
 def problem_of(
-    model: Network,
+    model: AbstractNetwork,
     observation: Observation,
     free: Free,
     conditions: Sequence[tuple[Stimulus, Sequence[Target]]],
@@ -169,28 +186,30 @@ def _batch(members: Sequence[tuple[Stimulus, Sequence[Target]]]) -> tuple[Batch,
     """The batch, and for each of its conditions the slots of its targets."""
     length = max(len(stimulus.frames) for stimulus, _ in members)
 
-    def padded(rows, **how):
+    def padded(rows, **settings):
         rows = [np.asarray(row) for row in rows]
-        return jnp.stack([np.pad(row, [(0, length - len(row))] + [(0, 0)] * (row.ndim - 1), **how) for row in rows])
+        return jnp.stack(
+            [np.pad(row, [(0, length - len(row))] + [(0, 0)] * (row.ndim - 1), **settings) for row in rows]
+        )
 
     columns: dict[tuple[str, int], list[Target | None]] = {}  # by channel, and which of a condition's targets in it
-    taken: list[list[tuple[str, int]]] = []
+    columns_of: list[list[tuple[str, int]]] = []
     for row, (_, targets) in enumerate(members):
         counts: Counter[str] = Counter()
-        taken.append([])
+        columns_of.append([])
         for target in targets:
             column = target.channel, counts[target.channel]
             counts[target.channel] += 1
-            taken[row].append(column)
+            columns_of[row].append(column)
             columns.setdefault(column, [None] * len(members))[row] = target
 
     empty = [np.zeros(len(stimulus.frames)) for stimulus, _ in members]
     slots = [
         Slot(
             channel,
-            padded([none if it is None else it.values for it, none in zip(column, empty, strict=True)]),
-            padded([none if it is None else it.scale for it, none in zip(column, empty, strict=True)]),
-            jnp.asarray([1.0 if it is None else it.thinning for it in column]),
+            padded([none if target is None else target.values for target, none in zip(column, empty, strict=True)]),
+            padded([none if target is None else target.scale for target, none in zip(column, empty, strict=True)]),
+            jnp.asarray([1.0 if target is None else target.thinning for target in column]),
         )
         for (channel, _), column in columns.items()
     ]
@@ -203,4 +222,4 @@ def _batch(members: Sequence[tuple[Stimulus, Sequence[Target]]]) -> tuple[Batch,
         slots=tuple(slots),
     )
     order = list(columns)
-    return batch, [[order.index(column) for column in row] for row in taken]
+    return batch, [[order.index(column) for column in row] for row in columns_of]

@@ -1,126 +1,91 @@
-"""What a fit says of itself, as text and as HTML, in the manner of lmfit and iminuit."""
+"""The sections of a fit's report, in the manner of lmfit and iminuit."""
 
 import dataclasses
 import math
-from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from lgmd2jax._channels import TARGETS
-from lgmd2jax._network.parameters import symbols
+from lgmd2jax._channels import TARGETS, Channel
+from lgmd2jax._network.parameters import ParameterSet, symbols
 from lgmd2jax._reports.digits import measured, plain, rounded
-from lgmd2jax._reports.section import Section, as_html, as_text
-from lgmd2jax._targets.observation import observation_symbols
-from lgmd2jax.fitting._curve import DISAGREEMENT
-from lgmd2jax.fitting._descent import ENDED
-from lgmd2jax.fitting._free import Freedom
-from lgmd2jax.fitting._law_fit import Beside
-from lgmd2jax.fitting._uncertainty.covariance import Uncertainty
+from lgmd2jax._reports.section import Section
+from lgmd2jax._targets.observation import Observation, observation_symbols
+from lgmd2jax.fitting._curve import DISAGREEMENT, Curve
+from lgmd2jax.fitting._free import Free
+from lgmd2jax.fitting._law_fit import LawComparison
+from lgmd2jax.fitting._run import Run
+from lgmd2jax.fitting._search.descent import FINAL
+from lgmd2jax.fitting._uncertainty.covariance import CONFIDENCE, Uncertainty
 from lgmd2jax.fitting._uncertainty.profile import Profile
-
-if TYPE_CHECKING:
-    from lgmd2jax.fitting._result import Fit
 
 _CORRELATED, _MOST = 0.5, 10  # correlations from which, and how many, are told
 
 
 @dataclasses.dataclass(frozen=True)
-class Extra:
-    """What else a report tells, where it was asked for.
+class Supplement:
+    """Results that a report tells besides the fit's own.
 
     - `profiles`: the profile-likelihood interval of a parameter, by its name.
     - `left_out`: R2 of a condition, by its name, predicted by a fit to all others.
-    - `beside`: the looming law fitted to the same recordings.
+    - `looming_law`: the looming law fitted to the same recordings.
     - `truth`: the known values of a twin's parameters.
     """
 
     profiles: Mapping[str, Profile] = dataclasses.field(default_factory=dict)
     left_out: Mapping[str, float] = dataclasses.field(default_factory=dict)
-    beside: Beside | None = None
+    looming_law: LawComparison | None = None
     truth: Mapping[str, float] = dataclasses.field(default_factory=dict)
 
 
-def text(fit: "Fit", extra: Extra | None = None) -> str:
-    """The report as plain text."""
-    return as_text(_sections(fit, extra or Extra()))
-
-
-def html(fit: "Fit", extra: Extra | None = None) -> str:
-    """The report as an HTML fragment, for a notebook or a page."""
-    return as_html(_sections(fit, extra or Extra()))
-
-
-def status(fit: "Fit") -> tuple[str, ...]:
+def status(result: str, loss: float, u: Uncertainty, curves: Sequence[Curve]) -> tuple[str, ...]:
     """The verdict in a few words each: valid or not, why it stopped, bounds, what is undetermined, soft against hard.
 
     A fit is valid whose last descent came to its end, at a finite loss at which there are standard errors.
     """
-    u = fit.uncertainty
-    valid = fit.result in ENDED and math.isfinite(fit.loss) and not u.reason
+    valid = result in FINAL and math.isfinite(loss) and not u.reason
     bounds = [name for name, side in zip(u.names, u.on_bound, strict=True) if side]
     loose = [name for name, known in zip(u.names, u.determined, strict=True) if not known]
-    apart = sum(curve.gap > DISAGREEMENT for curve in fit.curves)
+    apart = sum(curve.gap > DISAGREEMENT for curve in curves)
     return (
         "valid" if valid else "NOT VALID",
-        fit.result,
+        result,
         f"at a bound: {', '.join(bounds)}" if bounds else "none at a bound",
         f"no standard errors: {u.reason}"
         if u.reason
         else f"undetermined: {', '.join(loose)}"
         if loose
         else "all determined",
-        f"soft and hard differ in {apart} of {len(fit.curves)} curves" if apart else "soft and hard agree",
+        f"soft and hard differ in {apart} of {len(curves)} curves" if apart else "soft and hard agree",
     )
 
 
-def _sections(fit: "Fit", extra: Extra) -> list[Section]:
-    sections = [
-        Section(f"Fit: {' | '.join(status(fit))}"),
-        _free(fit),
-        _given(fit),
-        _statistics(fit),
-        _curves(fit),
-        _search(fit),
-        _correlations(fit),
-        _profiles(fit, extra),
-        _left_out(extra),
-        _beside(fit, extra),
-        _truth(fit, extra),
-        Section("Remarks", sentences=tuple(fit.remarks())),
-    ]
-    return sections[:1] + [section for section in sections[1:] if section.rows or section.sentences]
-
-
-def _free(fit: "Fit") -> Section:
-    u, rows = fit.uncertainty, []
-    for i, it in enumerate(fit.free.freedoms):
-        value, error = fit.values[it.name], float(u.standard_errors[i])
-        shown = measured(value, error) if u.determined[i] and not u.reason else plain(value)
+def free_section(
+    free: Free, values: Mapping[str, float], start: Mapping[str, float], u: Uncertainty, curved: Sequence[str]
+) -> Section:
+    """The free parameters; `curved` are those whose intervals are rough."""
+    rows = []
+    for i, freedom in enumerate(free.freedoms):
+        name, error = freedom.name, float(u.standard_errors[i])
         rows.append(
             (
-                it.name,
-                shown,
+                name,
+                measured(values[name], error) if u.determined[i] and not u.reason else plain(values[name]),
                 _interval(u, i),
-                _unit(it.symbol.unit),
-                plain(fit.start[it.name]),
-                _bounds(it),
-                _flag(fit, i),
+                _unit(freedom.symbol.unit),
+                plain(start[name]),
+                f"{freedom.low:g} .. {freedom.high:g}",
+                _flags(int(u.on_bound[i]), freedom.prior, name in curved),
             )
         )
-    columns = ("free", "value +- s.e.|", f"{u.confidence:.0%} interval|", "unit", "start|", "bounds|", "remark")
+    columns = ("free", "value +- s.e.|", f"{CONFIDENCE:.0%} interval|", "unit", "start|", "bounds|", "remark")
     return Section("Free parameters", columns, tuple(rows))
 
 
-def _bounds(it: Freedom) -> str:
-    return f"{it.low:g} .. {it.high:g}"
-
-
-def _flag(fit: "Fit", i: int) -> str:
-    side, prior = fit.uncertainty.on_bound[i], fit.free.freedoms[i].prior
+def _flags(side: int, prior: tuple[float, float] | None, curved: bool) -> str:
     flags = [f"at {'lower' if side < 0 else 'upper'} bound"] if side else []
     flags += [f"prior {prior[0]:g} +- {prior[1]:g}"] if prior else []
-    return ", ".join(flags + (["rough: curves bend"] if fit.free.names[i] in fit.curved else []))
+    return ", ".join(flags + (["rough: curves bend"] if curved else []))
 
 
 def _interval(u: Uncertainty, i: int) -> str:
@@ -135,39 +100,41 @@ def _unit(unit: str) -> str:
     return "" if unit == "1" else unit
 
 
-def _given(fit: "Fit") -> Section:
+def given_section(
+    free: Free, parameters: ParameterSet, observation: Observation, channels: Sequence[Channel]
+) -> Section:
     """What follows a free parameter, and the observation where it stays fixed."""
-    rows, known = [], symbols(type(fit.parameters))
-    for name, tie in fit.free.ties.items():
-        owner, symbol = (
-            (fit.parameters, known[name]) if name in known else (fit.observation, observation_symbols()[name])
-        )
+    rows, known = [], symbols(type(parameters))
+    for name, tie in free.ties.items():
+        owner, symbol = (parameters, known[name]) if name in known else (observation, observation_symbols()[name])
         follows = tie.to if tie.factor == 1 else f"{tie.factor:g} {tie.to}"
         rows.append((name, plain(float(getattr(owner, name))), _unit(symbol.unit), f"tied: {name} = {follows}"))
-    if "rate" in fit.channels:
+    if "rate" in channels:
         rows += [
-            (name, plain(float(getattr(fit.observation, name))), _unit(symbol.unit), "fixed")
+            (name, plain(float(getattr(observation, name))), _unit(symbol.unit), "fixed")
             for name, symbol in observation_symbols().items()
-            if name not in fit.free.names and name not in fit.free.ties
+            if name not in free.names and name not in free.ties
         ]
     return Section("Tied parameters and fixed observation", ("given", "value|", "unit", "how"), tuple(rows))
 
 
-def _statistics(fit: "Fit") -> Section:
-    u, data = fit.uncertainty, sum(int((curve.weight > 0).sum()) for curve in fit.curves)
+def statistics_section(u: Uncertainty, curves: Sequence[Curve], rules: Mapping[str, int]) -> Section:
+    """Chi2 and what follows from it. `rules`: how samples and errors arose, each with the number of its curves."""
+    data = sum(int((curve.weight > 0).sum()) for curve in curves)
     rows = (
         ("data points", f"{data}", "chi2", f"{u.chi2:.5g}"),
         ("independent samples", f"{u.n_effective:.5g}", "reduced chi2", f"{u.reduced_chi2:.4g}"),
-        ("free parameters", f"{len(fit.free)}", "AIC", f"{u.aic:.5g}"),
+        ("free parameters", f"{len(u.names)}", "AIC", f"{u.aic:.5g}"),
         ("degrees of freedom", f"{u.degrees_of_freedom:.5g}", "BIC", f"{u.bic:.5g}"),
     )
-    rules = fit.stats.get("rules", {})  # results of an earlier version have none
-    curves = len(fit.curves)
-    sentences = tuple(f"{rule[0].upper()}{rule[1:]} ({count} of {curves} curves)." for rule, count in rules.items())
+    sentences = tuple(
+        f"{rule[0].upper()}{rule[1:]} ({count} of {len(curves)} curves)." for rule, count in rules.items()
+    )
     return Section("Goodness of fit, of the soft model", ("count", "number|", "statistic", "value|"), rows, sentences)
 
 
-def _curves(fit: "Fit") -> Section:
+def curve_section(curves: Sequence[Curve]) -> Section:
+    """How close soft and hard model come to each target."""
     rows = [
         (
             curve.condition,
@@ -177,7 +144,7 @@ def _curves(fit: "Fit") -> Section:
             _unit(TARGETS[curve.channel].unit),
             f"{curve.gap:.1%}",
         )
-        for curve in fit.curves
+        for curve in curves
     ]
     columns = ("curve", "channel", "R2 soft|", "hard|", "RMSE soft|", "hard|", "unit", "gap|")
     return Section("Curves (gap: of soft and hard, as a share of the span)", columns, tuple(rows))
@@ -188,21 +155,24 @@ def _share(r2: float) -> str:
     return "flat" if math.isnan(r2) else f"{r2:.3f}"
 
 
-def _search(fit: "Fit") -> Section:
-    runs, temperatures = len(fit.runs), ", ".join(f"{it:g}" for it in fit.temperatures)
+def search_section(
+    runs: Sequence[Run], best_count: int, screened: int, temperatures: Sequence[float], loss: float, soft_loss: float
+) -> Section:
+    """How many starts were searched and descended, and the losses that came of it."""
     return Section(
         "Search",
         sentences=(
-            f"{len(fit.screened)} starts screened, {runs} descended; the best was found {fit.found} of {runs} times.",
-            f"{sum(run.steps for run in fit.runs)} steps of the solver, at temperatures {temperatures}.",
-            f"Half the sum of squares: {fit.loss:.5g} for the model that is handed over, {fit.soft_loss:.5g} for the "
-            f"soft one at temperature {fit.temperatures[-1]:g}.",
+            f"{screened} starts screened, {len(runs)} descended; the best was found {best_count} of {len(runs)} times.",
+            f"{sum(run.steps for run in runs)} steps of the solver, at temperatures "
+            f"{', '.join(f'{temperature:g}' for temperature in temperatures)}.",
+            f"Half the sum of squares: {loss:.5g} for the model that is handed over, {soft_loss:.5g} for the "
+            f"soft one at temperature {temperatures[-1]:g}.",
         ),
     )
 
 
-def _correlations(fit: "Fit") -> Section:
-    u = fit.uncertainty
+def correlation_section(u: Uncertainty) -> Section:
+    """The largest correlations."""
     pairs = [(u.names[i], u.names[j], float(u.correlation[i, j])) for i in range(len(u.names)) for j in range(i)]
     pairs = [pair for pair in pairs if abs(pair[2]) > _CORRELATED]  # NaN is not
     pairs.sort(key=lambda pair: -abs(pair[2]))
@@ -211,45 +181,46 @@ def _correlations(fit: "Fit") -> Section:
     return Section(f"Correlations above {_CORRELATED:g}", ("of", "and", "value|"), rows, more)
 
 
-def _profiles(fit: "Fit", extra: Extra) -> Section:
-    u, rows = fit.uncertainty, []
-    for name, profile in extra.profiles.items():
-        i = fit.free.names.index(name)
-        value, error = fit.values[name], float(u.standard_errors[i])
+def profile_section(profiles: Mapping[str, Profile], free: Free, u: Uncertainty) -> Section:
+    """Intervals by profile likelihood beside those by covariance."""
+    rows = []
+    for name, profile in profiles.items():
+        i = free.names.index(name)
         low, high = (
-            "open" if is_open else rounded(end, value, error)
+            "open" if is_open else rounded(end, float(u.values[i]), float(u.standard_errors[i]))
             for end, is_open in zip(profile.interval, profile.is_open, strict=True)
         )
-        rows.append((name, f"{low} .. {high}", _interval(u, i), _unit(fit.free.freedoms[i].symbol.unit)))
-    columns = ("parameter", "by profile|", f"by covariance, {u.confidence:.0%}|", "unit")
-    is_open = any(end for profile in extra.profiles.values() for end in profile.is_open)
+        rows.append((name, f"{low} .. {high}", _interval(u, i), _unit(free.freedoms[i].symbol.unit)))
+    columns = ("parameter", "by profile|", f"by covariance, {CONFIDENCE:.0%}|", "unit")
+    is_open = any(end for profile in profiles.values() for end in profile.is_open)
     sentences = ("Open: up to the bound, chi2 does not rise so far.",) if is_open else ()
     return Section("Profile-likelihood intervals", columns, tuple(rows), sentences)
 
 
-def _left_out(extra: Extra) -> Section:
-    rows = tuple((name, _share(r2)) for name, r2 in extra.left_out.items())
+def left_out_section(left_out: Mapping[str, float]) -> Section:
+    """R2 of each condition by a fit to the others."""
+    rows = tuple((name, _share(r2)) for name, r2 in left_out.items())
     return Section("Each condition predicted by a fit to all others", ("left out", "R2|"), rows)
 
 
-def _beside(fit: "Fit", extra: Extra) -> Section:
+def law_section(law: LawComparison | None, curves: Sequence[Curve], left_out: Mapping[str, float]) -> Section:
     """The network beside eta, which has five free numbers and knows the angle of the object."""
     title = "Beside the looming law, seen through the same observation"
-    if not (it := extra.beside):
+    if law is None:
         return Section(title)
-    hard = {curve.condition: curve.r2() for curve in fit.curves if curve.channel == "rate"}
+    hard = {curve.condition: curve.r2() for curve in curves if curve.channel == "rate"}
     rows = tuple(
         (
             name,
-            *(_share(r2) for r2 in (hard[name], it.r2[name], extra.left_out.get(name, math.nan), it.left_out[name])),
+            *(_share(r2) for r2 in (hard[name], law.r2[name], left_out.get(name, math.nan), law.left_out[name])),
             *(f"{time:+.1f}" for time in peaks),
         )
-        for name, peaks in it.peaks.items()
+        for name, peaks in law.peaks.items()
     )
     columns = ("approach", "R2 network|", "law|", "left out: network|", "law|")
     columns += ("peak in ms: recorded|", "network|", "law|")
-    seen, law = it.law.observation, it.law
-    means = [float(np.mean(list(r2.values()))) for r2 in (extra.left_out, it.left_out) if r2]
+    fitted, observation = law.law, law.law.observation
+    means = [float(np.mean(list(r2.values()))) for r2 in (left_out, law.left_out) if r2]
     return Section(
         title,
         columns,
@@ -257,23 +228,25 @@ def _beside(fit: "Fit", extra: Extra) -> Section:
         (
             *(
                 f"Peaks, {name}: {line.alpha:.2f} l/|v| - {line.delta:.1f} ms before collision, r2 {line.r2:.3f}."
-                for name, line in it.lines.items()
+                for name, line in law.lines.items()
             ),
             f"Left out, in the mean: {' and '.join(_share(mean) for mean in means)}"
             + (" (network, law)." if len(means) > 1 else " (law)."),
-            f"The law: alpha {law.alpha:.2f}, gain (l/|v|)^{law.exponent:.2f} and {float(seen.gain):.0f} spikes/s at "
-            f"40 ms, baseline {float(seen.baseline):.1f} spikes/s, latency with delta {float(seen.latency):.0f} ms.",
+            f"The law: alpha {fitted.alpha:.2f}, gain (l/|v|)^{fitted.exponent:.2f} and "
+            f"{float(observation.gain):.0f} spikes/s at 40 ms, baseline {float(observation.baseline):.1f} spikes/s, "
+            f"latency with delta {float(observation.latency):.0f} ms.",
         ),
     )
 
 
-def _truth(fit: "Fit", extra: Extra) -> Section:
+def truth_section(truth: Mapping[str, float], free: Free, values: Mapping[str, float], u: Uncertainty) -> Section:
+    """How far a twin's parameters are from their known values."""
     rows = []
-    for name, truth in extra.truth.items():
-        it, value = fit.free.freedoms[fit.free.names.index(name)], fit.values[name]
-        error = float(fit.uncertainty.standard_errors[fit.free.names.index(name)])
-        off = value - truth
+    for name, true_value in truth.items():
+        i = free.names.index(name)
+        freedom, error, off = free.freedoms[i], float(u.standard_errors[i]), values[name] - true_value
         in_errors = f"{off / error:+.2f}" if math.isfinite(error) and error > 0 else "-"
-        rows.append((name, f"{truth:.6g}", f"{value:.6g}", f"{off / (it.high - it.low):+.3%}", in_errors))
+        of_range = f"{off / (freedom.high - freedom.low):+.3%}"
+        rows.append((name, f"{true_value:.6g}", f"{values[name]:.6g}", of_range, in_errors))
     columns = ("parameter", "truth|", "fitted|", "off, of its range|", "off, in s.e.|")
     return Section("Known truth", columns, tuple(rows))

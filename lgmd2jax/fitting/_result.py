@@ -1,4 +1,4 @@
-"""What a fit found, and what can be asked of it."""
+"""The result of a fit to curves, and what can be asked of it."""
 
 import dataclasses
 from collections.abc import Callable, Sequence
@@ -6,29 +6,33 @@ from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
-import scipy
 from jaxtyping import Array, Float
 
-from lgmd2jax._network.abstract import Network
+from lgmd2jax._channels import Channel
+from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.parameters import ParameterSet
 from lgmd2jax._network.thresholds import Hard
 from lgmd2jax._protocol.protocol import Condition
+from lgmd2jax._reports.section import Section, as_html, as_text
 from lgmd2jax._targets.observation import Observation, observation_symbols
-from lgmd2jax._targets.target import Channel, Target
-from lgmd2jax.fitting._curve import DISAGREEMENT, Curve, observed
-from lgmd2jax.fitting._descent import ENDED, Run
+from lgmd2jax._targets.target import Target
+from lgmd2jax._words import warn_renamed
+from lgmd2jax.fitting import _report
+from lgmd2jax.fitting._curve import DISAGREEMENT, Curve, predict
 from lgmd2jax.fitting._free import Free
-from lgmd2jax.fitting._problem import Problem, problem_of, weighed
-from lgmd2jax.fitting._report import Extra, html, text
-from lgmd2jax.fitting._space import softened
+from lgmd2jax.fitting._problem import Problem, chi2_residuals, problem_of
+from lgmd2jax.fitting._report import Supplement
+from lgmd2jax.fitting._run import Run
+from lgmd2jax.fitting._search.descent import FINAL
+from lgmd2jax.fitting._search.space import soften
 from lgmd2jax.fitting._uncertainty.covariance import Uncertainty, sentences
 from lgmd2jax.fitting._uncertainty.jacobian import sensitivity
-from lgmd2jax.fitting._uncertainty.next_stimulus import Candidate, ranked
+from lgmd2jax.fitting._uncertainty.next_stimulus import Candidate, rank
 from lgmd2jax.fitting._uncertainty.posterior import Posterior, posterior
-from lgmd2jax.fitting._uncertainty.profile import Profile, profile
+from lgmd2jax.fitting._uncertainty.profile import Profile, profile, rise_limit
 from lgmd2jax.stimuli import Stimulus
 
-_SAME_LOSS = 0.01  # relative; runs so close to the best are said to have found it
+_SAME_LOSS = 0.01  # relative; runs so close to the best count as being at the same optimum
 
 
 @dataclasses.dataclass(frozen=True)
@@ -45,10 +49,11 @@ class Fit:
     - `curves`: target, soft and hard model for every target of every condition.
     - `runs`: the starts that were descended, the best first. `screened`: losses of all points of the search, sorted.
     - `errors`: by channel, the standard error that one frame would have if its neighbours told nothing of it.
-    - `result`: `"converged"`, or why the best descent stopped. `stats`: counts of what was done.
+    - `result`: `"converged"`, or why the best descent stopped. `stats`: counts of what was done, settings, and
+      how samples were counted and errors arose.
     """
 
-    model: Network
+    model: AbstractNetwork
     observation: Observation
     free: Free
     z: Float[np.ndarray, " free"]
@@ -82,13 +87,13 @@ class Fit:
         return self.uncertainty.covariance
 
     @property
-    def soft(self) -> Network:
+    def soft(self) -> AbstractNetwork:
         """The same parameters at the last temperature."""
-        thresholds = softened(self.model.thresholds, jnp.asarray(self.temperatures[-1], dtype=float))
+        thresholds = soften(self.model.thresholds, jnp.asarray(self.temperatures[-1], dtype=float))
         return dataclasses.replace(self.model, thresholds=thresholds)
 
     @property
-    def hard(self) -> Network:
+    def hard(self) -> AbstractNetwork:
         """The same parameters with hard thresholds."""
         return dataclasses.replace(self.model, thresholds=Hard())
 
@@ -103,7 +108,7 @@ class Fit:
         **Arguments:** `channel`: by default the rate, where one was fitted, else the first of `channels`.
         """
         stimulus = condition if isinstance(condition, Stimulus) else condition.render()
-        return observed(self.model, self.observation, stimulus, channel or self.channels[0])
+        return predict(self.model, self.observation, stimulus, channel or self.channels[0])
 
     def profile(self, name: str, confidence: float = 0.95) -> Profile:
         """The interval of a free parameter by its profile likelihood: all others are fitted anew as it is moved.
@@ -113,19 +118,13 @@ class Fit:
         if name not in self.free.names:
             raise ValueError(f"{name!r} is not free in this fit; choose {', '.join(self.free.names)}")
         residuals, u, index = self._residuals("profile"), self.uncertainty, self.free.names.index(name)
-        # With errors that are only relative the rise is measured by the residual variance, which is known so well.
-        quantile = (
-            scipy.stats.chi2.ppf(confidence, 1)
-            if u.absolute
-            else scipy.stats.f.ppf(confidence, 1, u.degrees_of_freedom)
-        )
         step = 2 * float(np.sqrt(u.covariance_z[index, index]))
         return profile(
             residuals,
             self.z,
             index,
             variance=u.variance,
-            limit=float(quantile),
+            limit=rise_limit(u, confidence),
             step=min(max(step, 1e-4), 0.25),
             value=lambda z: float(self.free.freedoms[index].value(z)),
         )
@@ -142,66 +141,104 @@ class Fit:
 
     def values_of(self, draws: Posterior) -> dict[str, Float[np.ndarray, "chain draw"]]:
         """The draws by parameter, in its own unit."""
-        return {it.name: np.asarray(it.value(draws.z[..., i])) for i, it in enumerate(self.free.freedoms)}
+        return {
+            freedom.name: np.asarray(freedom.value(draws.z[..., i])) for i, freedom in enumerate(self.free.freedoms)
+        }
 
     def next_stimulus(self, candidates: Sequence[Condition | Stimulus]) -> list[Candidate]:
         """Which stimulus to record next: the one that narrows the intervals most. The best stands first."""
         temperature = jnp.asarray(self.temperatures[-1], dtype=float)
-        stimuli = [it if isinstance(it, Stimulus) else it.render() for it in candidates]
+        stimuli = [candidate if isinstance(candidate, Stimulus) else candidate.render() for candidate in candidates]
         jacobians = []
         for stimulus in stimuli:
             nothing = np.zeros(len(stimulus.time))
             targets = [Target(channel, nothing, error=self.errors[channel]) for channel in self.channels]
-            wanted = [(stimulus, [target.on(stimulus) for target in targets])]
-            problem = problem_of(self.model, self.observation, self.free, wanted, "squares")
+            pair = stimulus, [target.on(stimulus) for target in targets]
+            problem = problem_of(self.model, self.observation, self.free, [pair], "squares")
             jacobian = sensitivity(problem, jnp.asarray(self.z), temperature).jacobian
             jacobians.append(np.asarray(jacobian)[: len(targets) * len(nothing)])
-        return ranked(self.uncertainty, jacobians, [stimulus.name for stimulus in stimuli])
+        return rank(self.uncertainty, jacobians, [stimulus.name for stimulus in stimuli])
 
     def remarks(self) -> list[str]:
         """What a reader must know before trusting the numbers, a sentence each."""
-        said = []
-        if self.result not in ENDED:
-            said.append(f"The last descent did not converge: {self.result}.")
+        remarks = []
+        if self.result not in FINAL:
+            remarks.append(f"The last descent did not converge: {self.result}.")
         sides = zip(self.values.items(), self.uncertainty.on_bound, strict=True)
         bounds = [f"{name} ({value:.4g})" for (name, value), side in sides if side]
         if bounds:
-            said.append(f"On a bound: {', '.join(bounds)}. Wider bounds may fit better.")
+            remarks.append(f"On a bound: {', '.join(bounds)}. Wider bounds may fit better.")
         for curve in self.curves:
             if not curve.met:
-                said.append(
+                remarks.append(
                     f"{curve.condition}, {curve.channel}: the model cannot meet this target and misses it by "
                     f"{curve.rmse():.3g} (r.m.s.) at the best fit."
                 )
             if curve.gap > DISAGREEMENT:
-                said.append(
+                remarks.append(
                     f"{curve.condition}, {curve.channel}: soft and hard model differ by {curve.gap:.0%} of the "
                     "span; trust the hard one, and errors and intervals with care."
                 )
         if self.curved:
-            said.append(f"Rough intervals, within which the curves bend: {', '.join(self.curved)}. Profiles are right.")
-        return said + sentences(self.uncertainty)
+            remarks.append(
+                f"Rough intervals, within which the curves bend: {', '.join(self.curved)}. Profiles are right."
+            )
+        return remarks + sentences(self.uncertainty)
 
     @property
-    def found(self) -> int:
+    def best_count(self) -> int:
         """How many of `runs` ended at the best loss."""
         best = self.runs[0].loss
         return sum(run.loss <= best * (1 + _SAME_LOSS) + 1e-9 for run in self.runs)
 
-    def summary(self, extra: Extra | None = None) -> str:
-        """The report as text, with further sections in `extra`."""
-        return text(self, extra or Extra())
+    @property
+    def found(self) -> int:
+        """The old name of `best_count`."""
+        warn_renamed("Fit.found", "Fit.best_count")
+        return self.best_count
+
+    @property
+    def status(self) -> tuple[str, ...]:
+        """The verdict in a few words each, the first of which says whether the fit is valid."""
+        return _report.status(self.result, self.loss, self.uncertainty, self.curves)
+
+    def sections(self, supplement: Supplement | None = None) -> list[Section]:
+        """The report's sections that have a content."""
+        more, u, free, values = supplement or Supplement(), self.uncertainty, self.free, self.values
+        head, *sections = (
+            Section(f"Fit: {' | '.join(self.status)}"),
+            _report.free_section(free, values, self.start, u, self.curved),
+            _report.given_section(free, self.parameters, self.observation, self.channels),
+            _report.statistics_section(
+                u, self.curves, self.stats.get("rules", {})
+            ),  # an earlier version wrote no rules
+            _report.curve_section(self.curves),
+            _report.search_section(
+                self.runs, self.best_count, len(self.screened), self.temperatures, self.loss, self.soft_loss
+            ),
+            _report.correlation_section(u),
+            _report.profile_section(more.profiles, free, u),
+            _report.left_out_section(more.left_out),
+            _report.law_section(more.looming_law, self.curves, more.left_out),
+            _report.truth_section(more.truth, free, values, u),
+            Section("Remarks", sentences=tuple(self.remarks())),
+        )
+        return [head, *(section for section in sections if section.rows or section.sentences)]
+
+    def summary(self, supplement: Supplement | None = None) -> str:
+        """The report as text."""
+        return as_text(self.sections(supplement))
 
     def __repr__(self):
         return self.summary()
 
     def _repr_html_(self) -> str:
-        return html(self, Extra())
+        return as_html(self.sections())
 
     def _owner(self, name: str) -> ParameterSet | Observation:
         return self.observation if name in observation_symbols() else self.model.parameters
 
-    def _residuals(self, what: str) -> Callable[[Float[Array, " free"]], Float[Array, " n"]]:
+    def _residuals(self, purpose: str) -> Callable[[Float[Array, " free"]], Float[Array, " n"]]:
         if self.problem is None:
-            raise ValueError(f"{what} needs the targets, which a result folder does not hold; make the fit anew")
-        return weighed(self.problem, self.temperatures[-1], self.uncertainty.variance)
+            raise ValueError(f"{purpose} needs the targets, which a result folder does not hold; make the fit anew")
+        return chi2_residuals(self.problem, self.temperatures[-1], self.uncertainty.variance)

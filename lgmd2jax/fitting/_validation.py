@@ -1,27 +1,24 @@
-"""How well a fit predicts what it has not seen: each condition left out in turn."""
+"""How well a model predicts a condition that it was not fitted to: each is left out in turn."""
 
 from collections.abc import Callable, Sequence
-from typing import Protocol
 
 import numpy as np
+from jaxtyping import Float
 
-from lgmd2jax._targets.target import Channel, Target
+from lgmd2jax._channels import Channel
+from lgmd2jax._targets.target import Target
 from lgmd2jax.fitting._curve import variance_explained
 from lgmd2jax.stimuli import Stimulus
 
 Pair = tuple[Stimulus, Sequence[Target]]
+# A channel of the response to a stimulus, at its frames.
+Predict = Callable[[Stimulus, Channel], Float[np.ndarray, " time"]]
 
 
-class Predicts(Protocol):
-    """What a fit can do."""
-
-    def predict(self, stimulus: Stimulus, channel: Channel, /) -> np.ndarray:
-        """The channel at the frames of the stimulus."""
-        ...
-
-
-def leave_one_out(fit_to: Callable[[Sequence[Pair]], Predicts], pairs: Sequence[Pair]) -> dict[str, float]:
+def leave_one_out(fit_to: Callable[[Sequence[Pair]], Predict], pairs: Sequence[Pair]) -> dict[str, float]:
     """R2 of each condition's first target, predicted by a fit to all other conditions.
+
+    **Arguments:** `fit_to` fits to conditions, and returns what predicts others.
 
     **Raises:** `ValueError` for fewer than two conditions.
     """
@@ -29,7 +26,6 @@ def leave_one_out(fit_to: Callable[[Sequence[Pair]], Predicts], pairs: Sequence[
         raise ValueError("there is one condition only; to leave one out, give two or more")
     explained = {}
     for left_out, (stimulus, (target, *_)) in enumerate(pairs):
-        fitted = fit_to([pair for number, pair in enumerate(pairs) if number != left_out])
-        predicted = fitted.predict(stimulus, target.channel)
-        explained[stimulus.name] = variance_explained(target.values, predicted, target.weight)
+        predict = fit_to([pair for number, pair in enumerate(pairs) if number != left_out])
+        explained[stimulus.name] = variance_explained(target.values, predict(stimulus, target.channel), target.weight)
     return explained

@@ -3,15 +3,11 @@
 Each family is called as `family(eye, *, ...)` and returns a `Stimulus`. Numbers may be traced, so that a family jits,
 vmaps and differentiates; what shapes the result (window, names, number of checks) is plain Python.
 
-`encounters(eye, key, count)` draws clips by chance from these families, as a camera delivers them: collisions of dark
+`encounters(eye, key, count)` makes random clips from these families, as a camera delivers them: collisions of dark
 objects with the time to contact, and as many clips without one.
 """
 
-from lgmd2jax.stimuli._approach import (
-    approach_recession as approach_recession,
-    looming as looming,
-    receding as receding,
-)
+# All at once, since a family is known by name once its module is loaded.
 from lgmd2jax.stimuli._background import (
     BACKGROUNDS as BACKGROUNDS,
     Background as Background,
@@ -32,9 +28,15 @@ from lgmd2jax.stimuli._encounter import (
     Encounter as Encounter,
     encounter as encounter,
     encounters as encounters,
+    random_encounter as random_encounter,
 )
 from lgmd2jax.stimuli._family import FAMILIES as FAMILIES
 from lgmd2jax.stimuli._grating import grating as grating
+from lgmd2jax.stimuli._looming import (
+    approach_recession as approach_recession,
+    looming as looming,
+    receding as receding,
+)
 from lgmd2jax.stimuli._luminance import luminance as luminance
 from lgmd2jax.stimuli._stimulus import Stimulus as Stimulus
 from lgmd2jax.stimuli._texture import PHOTOGRAPHS as PHOTOGRAPHS

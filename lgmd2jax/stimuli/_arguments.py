@@ -1,48 +1,53 @@
 """Arguments of the renderers: numbers made arrays, and refused where they cannot be meant. Traced ones go unchecked."""
 
 import math
-from collections.abc import Collection
+from collections.abc import Callable, Collection, Mapping
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, ScalarLike
+from jaxtyping import ScalarLike
+from typing_extensions import TypeAliasType
 
 from lgmd2jax._eye import Eye
-from lgmd2jax._types import is_concrete
+from lgmd2jax._types import Scalar, is_concrete
 from lgmd2jax._words import nearest
-from lgmd2jax.stimuli._probe import note_unit
+from lgmd2jax.stimuli._units import Degrees, Pixels, unit_of
 
 
 def number(
-    name: str, value: ScalarLike | None, unit: str, low: float | int = -np.inf, high: float | int = np.inf
-) -> Float[Array, ""]:
-    """A floating scalar in [low, high].
+    name: str, value: ScalarLike | None, quantity: TypeAliasType, low: float | int = -np.inf, high: float | int = np.inf
+) -> Scalar:
+    """A floating scalar in [low, high], in the unit of a quantity such as `Milliseconds`.
+
+    Warns of a value that is hardly meant in that unit.
 
     **Raises:** `ValueError` for another shape, and for a concrete value outside of the range.
     """
-    result = _scalar(name, value)
-    note_unit(name, unit)
-    if is_concrete(result) and not (math.isfinite(result) and low <= float(result) <= high):
-        span = f"in {low:g}..{high:g}" if np.isfinite(high) else "finite" if np.isinf(low) else f"of {low:g} or more"
-        raise ValueError(f"{name} is {value} {unit}; give a number {span}")
-    return result
+    span = f"in {low:g}..{high:g}" if np.isfinite(high) else "finite" if np.isinf(low) else f"of {low:g} or more"
+    return _checked(name, value, quantity, {f"a number {span}": lambda size: low <= size <= high})
 
 
-def positive(name: str, value: ScalarLike | None, unit: str) -> Float[Array, ""]:
-    """A floating scalar above 0.
+def positive(name: str, value: ScalarLike | None, quantity: TypeAliasType, high: float | int = np.inf) -> Scalar:
+    """A floating scalar in (0, high], as `number`.
 
-    **Raises:** `ValueError` for another shape, and for a concrete value that is not positive or not finite.
+    **Raises:** `ValueError` for another shape, and for a concrete value that is not positive, not finite or too large.
     """
-    result = _scalar(name, value)
-    note_unit(name, unit)
-    if is_concrete(result) and not (math.isfinite(result) and float(result) > 0):
-        raise ValueError(f"{name} is {value} {unit}; give a positive number")
-    return result
+    wanted = {"a positive number": lambda size: size > 0, f"a number in 0..{high:g}": lambda size: size <= high}
+    return _checked(name, value, quantity, wanted)
 
 
-def _scalar(name: str, value: ScalarLike | None) -> Float[Array, ""]:
+def _checked(
+    name: str, value: ScalarLike | None, quantity: TypeAliasType, wanted: Mapping[str, Callable[[float], bool]]
+) -> Scalar:
+    """The value as an array, refused with the first of the `wanted` words that are not true of it."""
     if value is None or isinstance(value, (str, list, tuple, dict)) or np.shape(value) != ():
         raise ValueError(f"{name} is {value!r}; give one number, and map a batch with jax.vmap")
+    if is_concrete(value):
+        size, unit = float(np.asarray(value)), unit_of(quantity)
+        for words, holds in wanted.items():
+            if not (math.isfinite(size) and holds(size)):
+                raise ValueError(f"{name} is {value} {unit.name}; give {words}")
+        unit.warn_if_confused(name, size)
     return jnp.asarray(value, dtype=float)
 
 
@@ -52,33 +57,33 @@ def one_of(name: str, value: str, known: Collection) -> None:
         raise ValueError(f"{name} is {value!r}; choose {nearest(value, known)}")
 
 
-def fits(eye: Eye, name: str, extent_px: Float[Array, ""]) -> None:
+def check_fits(eye: Eye, name: str, extent_px: Scalar) -> None:
     """Refuse an object of `extent_px` that is larger than the field's smaller side, where that is not meant."""
     field = min(eye.rows, eye.cols)
     if is_concrete(extent_px) and float(extent_px) > field:
         raise ValueError(f"{name} makes an object of {extent_px:.4g} px, beyond the field of {field} px; shrink it")
 
 
-def together(**values) -> bool:
+def all_given(**values) -> bool:
     """Whether all of these arguments are given, or none is.
 
     **Raises:** `ValueError` where only some are.
     """
     missing = [name for name, value in values.items() if value is None]
     if missing and len(missing) < len(values):
-        given = next(name for name in values if name not in missing)
-        raise ValueError(f"{given} is given without {missing[0]}; give all of {', '.join(values)}, or none")
+        first = next(name for name in values if name not in missing)
+        raise ValueError(f"{first} is given without {missing[0]}; give all of {', '.join(values)}, or none")
     return not missing
 
 
-def extent_px(eye: Eye, name: str, degrees: ScalarLike, pixels: ScalarLike | None) -> Float[Array, ""]:
+def extent_px(eye: Eye, name: str, degrees: Degrees, pixels: Pixels | None) -> Scalar:
     """An object's extent in pixels, given so or as a full angle; it must be smaller than the field.
 
     **Raises:** `ValueError` for an extent that is not positive or larger than the field.
     """
     if pixels is not None:
-        name, extent = f"{name}_px", positive(f"{name}_px", pixels, "px")
+        name, extent = f"{name}_px", positive(f"{name}_px", pixels, Pixels)
     else:
-        extent = 2 * eye.project(positive(name, degrees, "degrees") / 2)
-    fits(eye, name, extent)
+        extent = 2 * eye.project(positive(name, degrees, Degrees) / 2)
+    check_fits(eye, name, extent)
     return extent

@@ -12,6 +12,7 @@ from lgmd2jax._eye import Eye
 from lgmd2jax._types import Map
 from lgmd2jax.stimuli import _texture as texture
 from lgmd2jax.stimuli._arguments import number
+from lgmd2jax.stimuli._units import Degrees, DegreesPerSecond, Factor, GreyLevel
 
 
 class Background(eqx.Module):
@@ -34,7 +35,7 @@ class Uniform(Background):
     """
 
     level: Float[Array, ""] = eqx.field(
-        default=200.0, converter=lambda level: number("background", level, "grey levels", 0, 255)
+        default=200.0, converter=lambda level: number("background", level, GreyLevel, 0, 255)
     )
 
     @property
@@ -46,15 +47,15 @@ class Uniform(Background):
 
 
 def _level(level):
-    return None if level is None else number("level", level, "grey levels", 0, 255)
+    return None if level is None else number("level", level, GreyLevel, 0, 255)
 
 
 def _contrast(contrast):
-    return number("contrast", contrast, "(factor)", 0)
+    return number("contrast", contrast, Factor, 0)
 
 
 def _speed(speed):
-    return None if speed is None else number("speed", speed, "deg/s")
+    return None if speed is None else number("speed", speed, DegreesPerSecond)
 
 
 def _width(width) -> float:
@@ -87,7 +88,7 @@ class Photograph(Background):
     )
     speed: Float[Array, ""] | None = eqx.field(default=None, converter=_speed)
     direction: Float[Array, ""] = eqx.field(
-        default=0.0, converter=lambda direction: number("direction", direction, "degrees")
+        default=0.0, converter=lambda direction: number("direction", direction, Degrees)
     )
 
     def __check_init__(self):
@@ -113,8 +114,8 @@ class Photograph(Background):
         speed_px = self.speed * eye.pixels_per_degree
 
         def paint(time):
-            path = speed_px * time / 1000
-            return surface(right - path * jnp.cos(heading), up - path * jnp.sin(heading))
+            shift = speed_px * time / 1000
+            return surface(right - shift * jnp.cos(heading), up - shift * jnp.sin(heading))
 
         return paint
 

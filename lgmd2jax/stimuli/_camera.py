@@ -6,10 +6,11 @@ import functools
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, PRNGKeyArray, ScalarLike, UInt32
+from jaxtyping import Array, Float, PRNGKeyArray, UInt32
 
 from lgmd2jax.stimuli._arguments import number
 from lgmd2jax.stimuli._stimulus import Stimulus
+from lgmd2jax.stimuli._units import GreyLevelDeviation, Hertz, Pixels, ShareOfLight
 
 _SHARP = 1e-3  # pixels; a blur below it is none
 
@@ -18,10 +19,10 @@ def camera(
     stimulus: Stimulus,
     key: PRNGKeyArray | UInt32[Array, "2"],
     *,
-    noise: ScalarLike = 2.0,
-    flicker: ScalarLike = 0.0,
-    flicker_hz: ScalarLike = 100.0,
-    blur: ScalarLike = 0.0,
+    noise: GreyLevelDeviation = 2.0,
+    flicker: ShareOfLight = 0.0,
+    flicker_hz: Hertz = 100.0,
+    blur: Pixels = 0.0,
     bits: int | None = 8,
 ) -> Stimulus:
     """The stimulus as a camera delivers it: what tells a recorded clip from a synthetic one.
@@ -39,16 +40,16 @@ def camera(
     """
     if bits is not None and not (isinstance(bits, int) and 1 <= bits <= 16):
         raise ValueError(f"bits is {bits!r}; give a whole number in 1..16, or None")
-    noise = number("noise", noise, "grey levels", 0)
-    flicker = number("flicker", flicker, "of the light", 0, 1)
-    flicker_hz = number("flicker_hz", flicker_hz, "Hz", 0)
-    blur = number("blur", blur, "px", 0)
-    frames = _filmed(stimulus.frames, stimulus.time, key, noise, flicker, flicker_hz, blur, bits)
+    noise = number("noise", noise, GreyLevelDeviation, 0)
+    flicker = number("flicker", flicker, ShareOfLight, 0, 1)
+    flicker_hz = number("flicker_hz", flicker_hz, Hertz, 0)
+    blur = number("blur", blur, Pixels, 0)
+    frames = _film(stimulus.frames, stimulus.time, key, noise, flicker, flicker_hz, blur, bits)
     return dataclasses.replace(stimulus, frames=frames)
 
 
 @functools.partial(jax.jit, static_argnames="bits")
-def _filmed(frames, time, key, noise, flicker, flicker_hz, blur, bits: int | None) -> Float[Array, "time row col"]:
+def _film(frames, time, key, noise, flicker, flicker_hz, blur, bits: int | None) -> Float[Array, "time row col"]:
     noise_key, phase_key = jax.random.split(key)
     dtype, (_, rows, cols) = frames.dtype, frames.shape
     frames = _gaussian(rows, blur) @ frames @ _gaussian(cols, blur).T

@@ -1,4 +1,4 @@
-"""How far an object is on its way to the eye, in multiples of its own half-size: the laws of approach.
+"""How far an object is from the eye while it approaches, in multiples of its own half-size: the laws of approach.
 
 A full angle is 2 atan(l/d), so only the ratio of distance d and half-size l is seen.
 """
@@ -12,6 +12,7 @@ from jaxtyping import Array, Float
 
 from lgmd2jax._types import Scalar, Times, is_concrete
 from lgmd2jax.stimuli._arguments import positive
+from lgmd2jax.stimuli._units import Centimetres
 
 _GRAVITY_CM = 981.0  # cm/s2
 
@@ -65,9 +66,9 @@ class Rolling(Distance):
     **Raises:** `ValueError` for a size that is not positive, and for a slope higher than long.
     """
 
-    slope_height_cm: Scalar = eqx.field(default=30.0, converter=lambda x: positive("slope_height_cm", x, "cm"))
-    slope_length_cm: Scalar = eqx.field(default=100.0, converter=lambda x: positive("slope_length_cm", x, "cm"))
-    radius_cm: Scalar = eqx.field(default=2.5, converter=lambda x: positive("radius_cm", x, "cm"))
+    slope_height_cm: Scalar = eqx.field(default=30.0, converter=lambda x: positive("slope_height_cm", x, Centimetres))
+    slope_length_cm: Scalar = eqx.field(default=100.0, converter=lambda x: positive("slope_length_cm", x, Centimetres))
+    radius_cm: Scalar = eqx.field(default=2.5, converter=lambda x: positive("radius_cm", x, Centimetres))
 
     def __check_init__(self):
         height, length = self.slope_height_cm, self.slope_length_cm
@@ -79,9 +80,9 @@ class Rolling(Distance):
         return (self._final_speed - self._acceleration * before / 2) * before / self.radius_cm
 
     def reached(self, distance):
-        path = jnp.minimum(distance * self.radius_cm, self.slope_length_cm)
+        to_go = jnp.minimum(distance * self.radius_cm, self.slope_length_cm)
         speed = self._final_speed
-        return -2000 * path / (speed + jnp.sqrt(jnp.maximum(speed**2 - 2 * self._acceleration * path, 0)))
+        return -2000 * to_go / (speed + jnp.sqrt(jnp.maximum(speed**2 - 2 * self._acceleration * to_go, 0)))
 
     @property
     def _acceleration(self):

@@ -2,22 +2,22 @@
 
 import equinox as eqx
 import jax.numpy as jnp
-from jaxtyping import ScalarLike
 
 from lgmd2jax._eye import Eye
 from lgmd2jax._types import Scalar
 from lgmd2jax.stimuli._arguments import extent_px
 from lgmd2jax.stimuli._background import Background
 from lgmd2jax.stimuli._family import family
-from lgmd2jax.stimuli._scene import Path, behind, look, show
-from lgmd2jax.stimuli._stimulus import Stimulus, frame_times
-from lgmd2jax.stimuli._way import Way, way
+from lgmd2jax.stimuli._scene import Trajectory, behind, look_from, sketch_object
+from lgmd2jax.stimuli._segment import Segment, segment_from
+from lgmd2jax.stimuli._stimulus import Sketch, frame_times
+from lgmd2jax.stimuli._units import Degrees, DegreesPerSecond, GreyLevel, Pixels, PixelsPerSecond, WeberContrast
 
 
-class _Bar(Path):
-    """Between an edge that runs along a way, and the start of that way (it grows) or its end (it shrinks)."""
+class _Bar(Trajectory):
+    """A bar between an edge that runs along a segment, and the segment's start (it grows) or stop (it shrinks)."""
 
-    way: Way
+    segment: Segment
     half: Scalar
     direction: float | int = eqx.field(static=True)
     grows: bool = eqx.field(static=True)
@@ -29,37 +29,39 @@ class _Bar(Path):
             )
 
     def __call__(self, eye, time):
-        position = self.way(time)
-        edge = self.way.project(eye, position)
-        end = jnp.broadcast_to(self.way.project(eye, self.way.start if self.grows else self.way.stop), time.shape)
+        position = self.segment.position(time)
+        edge = self.segment.project(eye, position)
+        end = jnp.broadcast_to(
+            self.segment.project(eye, self.segment.start if self.grows else self.segment.stop), time.shape
+        )
         back, front = (end, edge) if self.grows else (edge, end)
         if self.direction in (180, 270):
             back, front = -front, -back
         half = jnp.broadcast_to(self.half, time.shape)
         along, across = (back, front), (-half, half)
         bounds = (*across, *along) if self.direction in (90, 270) else (*along, *across)
-        return jnp.stack(bounds, axis=1), {f"edge_{self.way.unit}": position}
+        return jnp.stack(bounds, axis=1), {f"edge_{self.segment.unit}": position}
 
 
 @family
 def elongating(
     eye: Eye,
     *,
-    width: ScalarLike = 16.0,
-    width_px: ScalarLike | None = None,
-    speed: ScalarLike = 60.0,
-    speed_px: ScalarLike | None = None,
-    start: ScalarLike = -40.0,
-    start_px: ScalarLike | None = None,
-    stop: ScalarLike = 40.0,
-    stop_px: ScalarLike | None = None,
+    width: Degrees = 16.0,
+    width_px: Pixels | None = None,
+    speed: DegreesPerSecond = 60.0,
+    speed_px: PixelsPerSecond | None = None,
+    start: Degrees = -40.0,
+    start_px: Pixels | None = None,
+    stop: Degrees = 40.0,
+    stop_px: Pixels | None = None,
     direction: float | int = 0.0,
-    contrast: ScalarLike = -0.9,
-    level: ScalarLike | None = None,
-    background: ScalarLike | Background = 200.0,
+    contrast: WeberContrast = -0.9,
+    level: GreyLevel | None = None,
+    background: GreyLevel | Background = 200.0,
     start_ms: float | int | None = None,
     end_ms: float | int | None = None,
-) -> Stimulus:
+) -> Sketch:
     """A bar that grows from nothing by its leading edge. 0 ms is the onset of motion; it stands when it is full.
 
     **Arguments:**
@@ -71,32 +73,34 @@ def elongating(
 
     **Raises:** `ValueError` as for `looming`, for a bar wider than the field, and for an oblique direction.
     """
-    path = way(speed=speed, start=start, stop=stop, speed_px=speed_px, start_px=start_px, stop_px=stop_px)
+    segment = segment_from(speed=speed, start=start, stop=stop, speed_px=speed_px, start_px=start_px, stop_px=stop_px)
     half = extent_px(eye, "width", width, width_px) / 2
     ground = behind(background)
-    time = frame_times(eye, start_ms, end_ms, 0.0, path.duration_ms)
-    return show(eye, time, ground, look(ground, contrast, level), _Bar(path, half, direction, grows=True))
+    time = frame_times(eye, start_ms, end_ms, 0.0, segment.duration_ms)
+    return sketch_object(
+        eye, time, ground, look_from(ground, contrast, level), _Bar(segment, half, direction, grows=True)
+    )
 
 
 @family
 def shortening(
     eye: Eye,
     *,
-    width: ScalarLike = 16.0,
-    width_px: ScalarLike | None = None,
-    speed: ScalarLike = 60.0,
-    speed_px: ScalarLike | None = None,
-    start: ScalarLike = -40.0,
-    start_px: ScalarLike | None = None,
-    stop: ScalarLike = 40.0,
-    stop_px: ScalarLike | None = None,
+    width: Degrees = 16.0,
+    width_px: Pixels | None = None,
+    speed: DegreesPerSecond = 60.0,
+    speed_px: PixelsPerSecond | None = None,
+    start: Degrees = -40.0,
+    start_px: Pixels | None = None,
+    stop: Degrees = 40.0,
+    stop_px: Pixels | None = None,
     direction: float | int = 0.0,
-    contrast: ScalarLike = -0.9,
-    level: ScalarLike | None = None,
-    background: ScalarLike | Background = 200.0,
+    contrast: WeberContrast = -0.9,
+    level: GreyLevel | None = None,
+    background: GreyLevel | Background = 200.0,
     start_ms: float | int | None = None,
     end_ms: float | int | None = None,
-) -> Stimulus:
+) -> Sketch:
     """A bar that shrinks to nothing by its trailing edge. 0 ms is the onset of motion; it stands whole before.
 
     The edge moves just as in `elongating`, with the bar ahead of it instead of behind.
@@ -105,8 +109,10 @@ def shortening(
 
     **Raises:** as for `elongating`.
     """
-    path = way(speed=speed, start=start, stop=stop, speed_px=speed_px, start_px=start_px, stop_px=stop_px)
+    segment = segment_from(speed=speed, start=start, stop=stop, speed_px=speed_px, start_px=start_px, stop_px=stop_px)
     half = extent_px(eye, "width", width, width_px) / 2
     ground = behind(background)
-    time = frame_times(eye, start_ms, end_ms, 0.0, path.duration_ms)
-    return show(eye, time, ground, look(ground, contrast, level), _Bar(path, half, direction, grows=False))
+    time = frame_times(eye, start_ms, end_ms, 0.0, segment.duration_ms)
+    return sketch_object(
+        eye, time, ground, look_from(ground, contrast, level), _Bar(segment, half, direction, grows=False)
+    )

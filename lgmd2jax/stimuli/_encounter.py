@@ -9,19 +9,21 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int, PRNGKeyArray, UInt32
+from typing_extensions import deprecated
 
 from lgmd2jax._eye import Eye
 from lgmd2jax.stimuli._arguments import one_of, positive
 from lgmd2jax.stimuli._camera import camera
-from lgmd2jax.stimuli._encounter_kinds import KINDS, Take
+from lgmd2jax.stimuli._encounter_kinds import KINDS, Scenario
 from lgmd2jax.stimuli._stimulus import Stimulus
+from lgmd2jax.stimuli._units import Milliseconds
 
 Key = PRNGKeyArray | UInt32[Array, "2"]
 
 ENCOUNTERS = tuple(KINDS)
 _SILENT = tuple(kind for kind in ENCOUNTERS if kind != "collision")
 _CONVERTED = 0.5  # of the clips
-_SHOT = 2 / 3, 4 / 5, 5 / 6  # of the file's frame rate: in one of 30 a second films of 20, 24 and 25
+_FILM_RATES = 2 / 3, 4 / 5, 5 / 6  # of the file's: in one of 30 frames a second films of 20, 24 and 25
 
 
 @dataclasses.dataclass(frozen=True)
@@ -30,8 +32,8 @@ class Encounter:
 
     - `kind`: one of `ENCOUNTERS`.
     - `stimulus`: in 8 bits, with its time from 0 ms on.
-    - `time_to_contact_ms`: from what is seen until a dark object touches the eye, by geometry; infinite where none is
-      on its way to it.
+    - `time_to_contact_ms`: from each frame until a dark object touches the eye, by geometry; infinite where none
+      approaches it.
     """
 
     kind: str
@@ -39,8 +41,8 @@ class Encounter:
     time_to_contact_ms: Float[np.ndarray, " time"]
 
 
-def encounter(eye: Eye, key: Key, *, kind: str | None = None, duration_ms: float | int = 3000.0) -> Encounter:
-    """A clip drawn by chance: the same key gives the same one.
+def random_encounter(eye: Eye, key: Key, *, kind: str | None = None, duration_ms: float | int = 3000.0) -> Encounter:
+    """A random clip: the same key gives the same one.
 
     - `"collision"`: a disc or square, at most half as bright as what is around, approaches at constant velocity; the
       clip ends .1 to .5 s before contact.
@@ -49,17 +51,17 @@ def encounter(eye: Eye, key: Key, *, kind: str | None = None, duration_ms: float
     - `"translation"`: an object that crosses the field.
     - `"turning"`: the eye turns in a scene.
     - `"clutter"`: a scene alone that drifts at a changing speed.
-    - `"light approach"`: a light object on its way to the eye, to which the LGMD2 is blind.
+    - `"light approach"`: a light object that approaches the eye, to which the LGMD2 is blind.
 
     Sizes, speeds, directions, contrasts and surroundings (plain, or pieces of scikit-image's photographs, still or in
-    motion) are drawn too, and so are the camera's noise, flicker and blur. Half of the clips, by chance, were shot at
+    motion) are random too, and so are the camera's noise, flicker and blur. Half of the clips, by chance, were shot at
     2/3, 4/5 or 5/6 of the eye's frame rate and converted to it, as dash-cam films often are: they repeat frames.
 
     **Arguments:**
 
     - `eye`: known in degrees, of more than 3 frames per second.
-    - `key`: of everything that is drawn.
-    - `kind`: drawn by default, one half collisions and the others equally often.
+    - `key`: of everything that is random.
+    - `kind`: random by default, one half collisions and the others equally often.
     - `duration_ms`: of the clip; it holds the whole frames that fit.
 
     **Raises:** `ValueError` for an unknown kind, and for an eye or a duration without two frames.
@@ -67,44 +69,49 @@ def encounter(eye: Eye, key: Key, *, kind: str | None = None, duration_ms: float
     if kind is not None:
         one_of("kind", kind, ENCOUNTERS)
     chance, frames = _chance(key), _frames(eye, duration_ms)
-    shot = float(chance.choice(_SHOT)) if chance.random() < _CONVERTED else 1.0
-    take = Take(dataclasses.replace(eye, fps=shot * eye.fps), chance, math.ceil(shot * frames - 1e-6))
-    # Also where the kind is given, so that the clip is the same as where it was drawn.
-    drawn = "collision" if chance.random() < 0.5 else str(chance.choice(_SILENT))
-    kind = kind or drawn
-    seen = KINDS[kind](take)
-    until = -np.asarray(seen.time, dtype=float) if kind == "collision" else np.full(take.frames, np.inf)
-    seen = dataclasses.replace(seen, time=jnp.arange(take.frames) * 1000 / take.eye.fps)
-    filmed = camera(
-        seen,
+    rate = float(chance.choice(_FILM_RATES)) if chance.random() < _CONVERTED else 1.0
+    scenario = Scenario(dataclasses.replace(eye, fps=rate * eye.fps), chance, math.ceil(rate * frames - 1e-6))
+    # Also where the kind is given, so that the clip is the same as where the kind is random.
+    random_kind = "collision" if chance.random() < 0.5 else str(chance.choice(_SILENT))
+    kind = kind or random_kind
+    stimulus = KINDS[kind](scenario)
+    contact = -np.asarray(stimulus.time, dtype=float) if kind == "collision" else np.full(scenario.frames, np.inf)
+    film = camera(
+        dataclasses.replace(stimulus, time=jnp.arange(scenario.frames) * 1000 / scenario.eye.fps),
         key,
         noise=chance.uniform(0.5, 3.0),
         flicker=chance.uniform(0, 0.02),
         flicker_hz=chance.choice([100.0, 120.0]),
         blur=chance.uniform(0, 0.6),
     )
-    shown = np.arange(frames) * take.frames // frames
-    return Encounter(kind, _converted(filmed, shown, eye.fps), until[shown])
+    sources = np.arange(frames) * scenario.frames // frames
+    return Encounter(kind, _convert(film, sources, eye.fps), contact[sources])
 
 
-def _converted(filmed: Stimulus, shown: Int[np.ndarray, " time"], fps: float | int) -> Stimulus:
-    """A film in a file of so many frames a second, each of which shows one of the film."""
-    frames, courses = jax.tree.map(lambda course: course[shown], (filmed.frames, filmed.courses))
-    time = jnp.arange(len(shown)) * 1000 / fps
-    return dataclasses.replace(filmed, frames=frames, fps=fps, time=time, courses=courses)
+@deprecated("encounter is called random_encounter now, since it differed from Encounter by a capital alone")
+def encounter(eye: Eye, key: Key, *, kind: str | None = None, duration_ms: float | int = 3000.0) -> Encounter:
+    """The old name of `random_encounter`."""
+    return random_encounter(eye, key, kind=kind, duration_ms=duration_ms)
+
+
+def _convert(film: Stimulus, sources: Int[np.ndarray, " time"], fps: float | int) -> Stimulus:
+    """A film as a file of another frame rate, each of whose frames is the film's of a number in `sources`."""
+    frames, courses = jax.tree.map(lambda values: values[sources], (film.frames, film.courses))
+    time = jnp.arange(len(sources)) * 1000 / fps
+    return dataclasses.replace(film, frames=frames, fps=fps, time=time, courses=courses)
 
 
 def encounters(eye: Eye, key: Key, count: int, *, duration_ms: float | int = 3000.0) -> Iterator[Encounter]:
     """So many clips, `count // 2` of them collisions, in a shuffled order; the other kinds come equally often.
 
     Of each two clips in a row one is a collision. Clip i is the same whatever the count, but for the last of an odd
-    count, which is never a collision. It is `encounter(eye, jax.random.fold_in(key, i), kind=...)`.
+    count, which is never a collision. It is `random_encounter(eye, jax.random.fold_in(key, i), kind=...)`.
 
-    **Arguments:** as for `encounter`, and
+    **Arguments:** as for `random_encounter`, and
 
     - `count`: how many, 1 or more; they are rendered one by one as they are asked for.
 
-    **Raises:** `ValueError` as `encounter`, and for a count below 1.
+    **Raises:** `ValueError` as `random_encounter`, and for a count below 1.
     """
     if not isinstance(count, int) or count < 1:
         raise ValueError(f"count is {count!r}; give a whole number of clips, 1 or more")
@@ -114,7 +121,8 @@ def encounters(eye: Eye, key: Key, count: int, *, duration_ms: float | int = 300
     if count % 2 and kinds[-1] == "collision":
         kinds[-1] = next(order)
     return (
-        encounter(eye, jax.random.fold_in(key, i), kind=kind, duration_ms=duration_ms) for i, kind in enumerate(kinds)
+        random_encounter(eye, jax.random.fold_in(key, i), kind=kind, duration_ms=duration_ms)
+        for i, kind in enumerate(kinds)
     )
 
 
@@ -130,10 +138,10 @@ def _chance(key: Key) -> np.random.Generator:
 
 
 def _frames(eye: Eye, duration_ms: float | int) -> int:
-    frames = math.floor(float(positive("duration_ms", duration_ms, "ms")) * eye.fps / 1000 + 1e-6)
+    frames = math.floor(float(positive("duration_ms", duration_ms, Milliseconds)) * eye.fps / 1000 + 1e-6)
     if frames < 2:
         raise ValueError(f"duration_ms is {duration_ms} at {eye.fps:g} fps; give time for 2 frames or more")
-    slowest = 2 / min(_SHOT)  # two frames of the film
+    slowest = 2 / min(_FILM_RATES)  # two frames of the film
     if eye.fps <= slowest:
         raise ValueError(
             f"fps is {eye.fps:g}; give an eye of more than {slowest:g} fps, to see what comes before a contact"

@@ -1,20 +1,23 @@
 """What makes a function a family of stimuli."""
 
-import dataclasses
 import functools
 import inspect
-from collections.abc import Callable
-from typing import ParamSpec
+from collections.abc import Callable, Mapping
+from typing import Any, ParamSpec
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
-from lgmd2jax.stimuli._stimulus import Stimulus
+from lgmd2jax._eye import Eye
+from lgmd2jax._types import Scalar, Times
+from lgmd2jax.stimuli._stimulus import Sketch, Stimulus
+from lgmd2jax.stimuli._units import units_of
 
 P = ParamSpec("P")
 
 FAMILIES: dict[str, Callable[..., Stimulus]] = {}
+_SKETCHES: dict[Callable[..., Stimulus], Callable[..., Sketch]] = {}
 
 # Arguments that say the same in other units. The first has the default, which the others replace.
 _ALTERNATIVES = (
@@ -32,7 +35,7 @@ _WINDOW = {"start_ms", "end_ms"}
 _NUMBERS = (int, float, np.number, np.ndarray, jax.Array)
 
 
-def family(render: Callable[P, Stimulus]) -> Callable[P, Stimulus]:
+def family(describe: Callable[P, Sketch]) -> Callable[P, Stimulus]:
     """A renderer that protocols know by name, whose stimuli carry that name and the numbers that they show.
 
     What does not hang on a traced value is computed at once, also inside of a jitted function: so the window can
@@ -40,28 +43,52 @@ def family(render: Callable[P, Stimulus]) -> Callable[P, Stimulus]:
 
     **Raises:** `ValueError`, when called, for two arguments that say the same.
     """
-    signature = inspect.signature(render)
+    signature = inspect.signature(describe)
 
-    @functools.wraps(render)
-    def rendered(*args: P.args, **kwargs: P.kwargs) -> Stimulus:
-        arguments = signature.bind(*args, **kwargs)
-        given = {name for name, value in arguments.arguments.items() if value is not None}
-        arguments.apply_defaults()
-        shown = dict(arguments.arguments)
-        for group in _ALTERNATIVES:
-            said = [name for name in group if name in given and name in shown]
-            if len(said) > 1:
-                raise ValueError(f"{said[0]} and {said[1]} are both given; they say the same, so give one")
-            if said and said[0] != group[0]:
-                shown.pop(group[0], None)
+    @functools.wraps(describe)
+    def render(*args: P.args, **kwargs: P.kwargs) -> Stimulus:
+        arguments = _without_replaced_defaults(signature.bind(*args, **kwargs))
         with jax.ensure_compile_time_eval():
-            stimulus = render(*args, **kwargs)
-            numbers = {
-                name: jnp.asarray(value, dtype=float)
-                for name, value in shown.items()
-                if isinstance(value, _NUMBERS) and name not in _WINDOW
-            }
-        return dataclasses.replace(stimulus, name=render.__name__, parameters=numbers)
+            time, draw = describe(*args, **kwargs)
+            frames, courses = draw()
+            return Stimulus(frames, arguments["eye"].fps, time, describe.__name__, _numbers(arguments), courses)
 
-    FAMILIES[render.__name__] = rendered
-    return rendered
+    render.__dict__["__signature__"] = signature.replace(return_annotation=Stimulus)
+    FAMILIES[describe.__name__], _SKETCHES[render] = render, describe
+    return render
+
+
+def _without_replaced_defaults(arguments: inspect.BoundArguments) -> dict[str, Any]:
+    """All arguments by name, but defaults that an argument in another unit replaces."""
+    names = {name for name, value in arguments.arguments.items() if value is not None}
+    arguments.apply_defaults()
+    values = dict(arguments.arguments)
+    for group in _ALTERNATIVES:
+        chosen = [name for name in group if name in names]
+        if len(chosen) > 1:
+            raise ValueError(f"{chosen[0]} and {chosen[1]} are both given; they say the same, so give one")
+        if chosen and chosen[0] != group[0]:
+            values.pop(group[0], None)
+    return values
+
+
+def _numbers(arguments: Mapping[str, Any]) -> dict[str, Scalar]:
+    return {
+        name: jnp.asarray(value, dtype=float)
+        for name, value in arguments.items()
+        if isinstance(value, _NUMBERS) and name not in _WINDOW
+    }
+
+
+def outline(renderer: Callable[..., Stimulus], eye: Eye, **arguments: Any) -> tuple[Times, dict[str, str]]:
+    """The times of what a renderer shows, and the units of its arguments; a family is not drawn for it.
+
+    What another renderer shows is drawn. If that is a family's, arguments of the same names have the same units.
+
+    **Raises:** `ValueError` as the renderer.
+    """
+    with jax.ensure_compile_time_eval():
+        if renderer in _SKETCHES:
+            return _SKETCHES[renderer](eye, **arguments).time, units_of(renderer)
+        stimulus = renderer(eye, **arguments)
+    return stimulus.time, units_of(FAMILIES.get(stimulus.name, renderer))

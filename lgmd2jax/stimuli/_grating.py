@@ -4,13 +4,22 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, ScalarLike
+from jaxtyping import Array, Float
 
 from lgmd2jax._eye import Eye
-from lgmd2jax._types import is_concrete
+from lgmd2jax._types import Scalar, is_concrete
 from lgmd2jax.stimuli._arguments import number, one_of, positive
 from lgmd2jax.stimuli._family import family
-from lgmd2jax.stimuli._stimulus import Stimulus, frame_times
+from lgmd2jax.stimuli._stimulus import Sketch, frame_times
+from lgmd2jax.stimuli._units import (
+    CyclesPerDegree,
+    CyclesPerImage,
+    Degrees,
+    GreyLevel,
+    Hertz,
+    MichelsonContrast,
+    Milliseconds,
+)
 
 _NODES = 8  # of Gauss' rule
 
@@ -19,17 +28,17 @@ _NODES = 8  # of Gauss' rule
 def grating(
     eye: Eye,
     *,
-    spatial_frequency: ScalarLike = 0.1,
-    cycles: ScalarLike | None = None,
-    temporal_frequency: ScalarLike = 4.0,
-    direction: ScalarLike = 0.0,
-    contrast: ScalarLike = 1.0,
-    background: ScalarLike = 110.0,
+    spatial_frequency: CyclesPerDegree = 0.1,
+    cycles: CyclesPerImage | None = None,
+    temporal_frequency: Hertz = 4.0,
+    direction: Degrees = 0.0,
+    contrast: MichelsonContrast = 1.0,
+    background: GreyLevel = 110.0,
     waveform: str = "sine",
-    duration_ms: ScalarLike = 2000.0,
+    duration_ms: Milliseconds = 2000.0,
     start_ms: float | int | None = None,
     end_ms: float | int | None = None,
-) -> Stimulus:
+) -> Sketch:
     """Stripes that move. Before 0 ms there is plain ground; after `duration_ms` the stripes stand.
 
     **Arguments:**
@@ -46,14 +55,14 @@ def grating(
     **Raises:** `ValueError` for a frequency that aliases: half a cycle a pixel or half the frame rate, or more.
     """
     one_of("waveform", waveform, _WAVEFORMS)
-    mean = number("background", background, "grey levels", 0, 255)
-    contrast = number("contrast", contrast, "(Michelson)", 0, 1)
+    mean = number("background", background, GreyLevel, 0, 255)
+    contrast = number("contrast", contrast, MichelsonContrast, 0, 1)
     bright = mean * (1 + contrast)
     if is_concrete(bright) and bright > 255 + 1e-9:
         raise ValueError(f"contrast is {contrast:g} on a mean of {mean:g}: stripes of {bright:.4g}; keep to 0..255")
-    heading = jnp.radians(number("direction", direction, "degrees"))
+    heading = jnp.radians(number("direction", direction, Degrees))
     wave = _wave_per_px(eye, spatial_frequency, cycles) * jnp.stack([jnp.cos(heading), jnp.sin(heading)])
-    rate = positive("temporal_frequency", temporal_frequency, "Hz")
+    rate = positive("temporal_frequency", temporal_frequency, Hertz)
     name, finest = "spatial_frequency" if cycles is None else "cycles", jnp.max(jnp.abs(wave))
     if is_concrete(finest) and finest >= 0.5:
         raise ValueError(
@@ -64,17 +73,16 @@ def grating(
             f"temporal_frequency aliases: {rate:g} Hz, where {eye.fps:g} frames per second need less than "
             f"{eye.fps / 2:g} Hz; lower it"
         )
-    duration = positive("duration_ms", duration_ms, "ms")
+    duration = positive("duration_ms", duration_ms, Milliseconds)
     time = frame_times(eye, start_ms, end_ms, 0.0, duration)
     drift = rate * jnp.clip(time, 0, duration) / 1000
-    frames = _stripes(eye, time, drift, wave, mean, contrast, waveform)
-    return Stimulus(frames, eye.fps, time, courses={"drift_cycles": drift})
+    return Sketch(time, lambda: (_stripes(eye, time, drift, wave, mean, contrast, waveform), {"drift_cycles": drift}))
 
 
-def _wave_per_px(eye: Eye, spatial_frequency: ScalarLike, cycles: ScalarLike | None) -> Float[Array, ""]:
+def _wave_per_px(eye: Eye, spatial_frequency: CyclesPerDegree, cycles: CyclesPerImage | None) -> Scalar:
     if cycles is not None:
-        return positive("cycles", cycles, "per image") / eye.cols
-    return positive("spatial_frequency", spatial_frequency, "cycles per degree") / eye.pixels_per_degree
+        return positive("cycles", cycles, CyclesPerImage) / eye.cols
+    return positive("spatial_frequency", spatial_frequency, CyclesPerDegree) / eye.pixels_per_degree
 
 
 def _sine(place, wave):

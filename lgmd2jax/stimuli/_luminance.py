@@ -1,43 +1,42 @@
 """Changes of light: steps and ramps of the whole field or of its middle."""
 
-import dataclasses
-
 import jax
 import jax.numpy as jnp
-from jaxtyping import ScalarLike
 
 from lgmd2jax._eye import Eye
 from lgmd2jax._types import Scalar, Times
 from lgmd2jax.stimuli._arguments import number, positive
 from lgmd2jax.stimuli._background import Uniform
 from lgmd2jax.stimuli._family import family
-from lgmd2jax.stimuli._scene import Look, Path, look, show
-from lgmd2jax.stimuli._stimulus import Stimulus, frame_times
+from lgmd2jax.stimuli._scene import Look, Trajectory, grey_level, sketch_object
+from lgmd2jax.stimuli._stimulus import Sketch, frame_times
+from lgmd2jax.stimuli._units import GreyLevel, Milliseconds, ShareOfField, WeberContrast
 
 
-class _Middle(Path):
-    """A part of the field around its centre, of its own form, `side` times as high and wide."""
+class _Middle(Trajectory):
+    """A part of the field around its centre, of its own form, `side` times as high and wide, and its grey `level`."""
 
     side: Scalar
+    level: Times
 
     def __call__(self, eye, time):
         across, up = self.side * eye.cols / 2, self.side * eye.rows / 2
-        return jnp.tile(jnp.stack([-across, across, -up, up]), (time.size, 1)), {}
+        return jnp.tile(jnp.stack([-across, across, -up, up]), (time.size, 1)), {"level": self.level}
 
 
 @family
 def luminance(
     eye: Eye,
     *,
-    contrast: ScalarLike = -0.5,
-    level: ScalarLike | None = None,
-    background: ScalarLike = 200.0,
-    fraction: ScalarLike = 1.0,
-    ramp_ms: ScalarLike = 0.0,
-    hold_ms: ScalarLike | None = None,
+    contrast: WeberContrast = -0.5,
+    level: GreyLevel | None = None,
+    background: GreyLevel = 200.0,
+    fraction: ShareOfField = 1.0,
+    ramp_ms: Milliseconds = 0.0,
+    hold_ms: Milliseconds | None = None,
     start_ms: float | int | None = None,
     end_ms: float | int | None = None,
-) -> Stimulus:
+) -> Sketch:
     """The field, or its middle, changes from the background's grey level to another. 0 ms is the onset.
 
     **Arguments:**
@@ -52,19 +51,17 @@ def luminance(
     **Raises:** `ValueError` for levels outside of 0..255, a fraction outside of 0..1 and negative times.
     """
     ground = Uniform(background)
-    target = look(ground, contrast, level).level
-    side = jnp.sqrt(positive("fraction", fraction, "of the field"))
-    number("fraction", fraction, "of the field", 0, 1)
-    ramp = number("ramp_ms", ramp_ms, "ms", 0)
-    hold = None if hold_ms is None else number("hold_ms", hold_ms, "ms", 0)
+    target = grey_level(ground, "contrast", contrast, "level", level)
+    side = jnp.sqrt(positive("fraction", fraction, ShareOfField, 1))
+    ramp = number("ramp_ms", ramp_ms, Milliseconds, 0)
+    hold = None if hold_ms is None else number("hold_ms", hold_ms, Milliseconds, 0)
     time = frame_times(eye, start_ms, end_ms, 0.0, ramp if hold is None else 2 * ramp + hold)
-    course = _course(time, ground.level, target, ramp, hold)
-    stimulus = show(eye, time, ground, Look(course, course), _Middle(side))
-    return dataclasses.replace(stimulus, courses={"level": course})
+    levels = _levels(time, ground.level, target, ramp, hold)
+    return sketch_object(eye, time, ground, Look(levels, levels), _Middle(side, levels))
 
 
 @jax.jit
-def _course(time: Times, ground: Scalar, target: Scalar, ramp: Scalar, hold: Scalar | None) -> Times:
+def _levels(time: Times, ground: Scalar, target: Scalar, ramp: Scalar, hold: Scalar | None) -> Times:
     """The grey level over time."""
 
     def change(since):

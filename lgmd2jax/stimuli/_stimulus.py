@@ -1,6 +1,8 @@
-"""What every renderer returns: frames with their times."""
+"""What every renderer returns, frames with their times; and what a family knows before these are drawn."""
 
 import math
+from collections.abc import Callable
+from typing import NamedTuple
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -8,10 +10,12 @@ import numpy as np
 from jaxtyping import Array, Float, ScalarLike
 
 from lgmd2jax._eye import Eye
-from lgmd2jax._types import is_concrete
-from lgmd2jax.stimuli._probe import note_window
+from lgmd2jax._types import Times, is_concrete
 
 LEAD_MS = 500.0  # of rest before the first motion, and after the last
+
+Frames = Float[Array, "time row col"]
+Courses = dict[str, Times]
 
 
 class Stimulus(eqx.Module):
@@ -33,20 +37,27 @@ class Stimulus(eqx.Module):
     courses: dict[str, Float[Array, " time"]] = eqx.field(default_factory=dict)
 
 
+class Sketch(NamedTuple):
+    """A stimulus before its frames: the arguments are checked, the times are known."""
+
+    time: Times
+    draw: Callable[[], tuple[Frames, Courses]]
+
+
 def frame_times(
     eye: Eye, start_ms: float | int | None, end_ms: float | int | None, begin: ScalarLike, end: ScalarLike
-) -> Float[Array, " time"]:
+) -> Times:
     """Times i 1000/fps, i whole, of the window; by default from 500 ms before the motion's `begin` to 500 after `end`.
 
     **Raises:** `ValueError` for an empty window, and for a default one when `begin` or `end` is traced.
     """
     limits = []
-    for name, given, event, lead in (("start_ms", start_ms, begin, -LEAD_MS), ("end_ms", end_ms, end, LEAD_MS)):
-        if given is None and not is_concrete(event):
+    for name, limit, event, lead in (("start_ms", start_ms, begin, -LEAD_MS), ("end_ms", end_ms, end, LEAD_MS)):
+        if limit is None and not is_concrete(event):
             raise ValueError(f"{name} is not given and would follow from a traced value; give a number for the batch")
-        if given is not None and not (isinstance(given, (int, float)) and math.isfinite(given)):
-            raise ValueError(f"{name} is {given!r}; give a plain number of ms")
-        limits.append(float(np.asarray(event)) + lead if given is None else given)
+        if limit is not None and not (isinstance(limit, (int, float)) and math.isfinite(limit)):
+            raise ValueError(f"{name} is {limit!r}; give a plain number of ms")
+        limits.append(float(np.asarray(event)) + lead if limit is None else limit)
     start, stop = limits
     first = math.ceil(start * eye.fps / 1000 - 1e-6)
     last = math.floor(stop * eye.fps / 1000 + 1e-6)
@@ -54,5 +65,4 @@ def frame_times(
         raise ValueError(
             f"start_ms {start:g} to end_ms {stop:g} holds fewer than 2 frames at {eye.fps:g} fps; widen it"
         )
-    note_window(start, stop)
     return jnp.asarray(np.arange(first, last + 1) * 1000 / eye.fps, dtype=float)

@@ -1,18 +1,15 @@
-"""Pictures as surfaces that can be looked at anywhere between their pixels."""
+"""Pictures as surfaces that have a grey level anywhere, also between their pixels."""
 
 import functools
 import os
 import pathlib
+import warnings
 from collections.abc import Callable
 
-import imageio.v3 as iio
 import jax
 import jax.numpy as jnp
 import numpy as np
-import skimage
 from jaxtyping import Array, Float
-from skimage.color import rgb2gray
-from skimage.util import img_as_float
 
 from lgmd2jax._types import Map, is_concrete
 from lgmd2jax._words import nearest
@@ -44,11 +41,19 @@ def read(image) -> Float[Array, "height width"]:
         raise ValueError(f"image has shape {np.shape(image)}; give grey levels as (row, col)")
     if is_concrete(image) and not (np.all(np.isfinite(image)) and np.min(image) >= 0 and np.max(image) <= 255):
         raise ValueError("image holds values outside of 0..255; give grey levels")
+    if is_concrete(image) and 0 < np.max(image) <= 1:
+        warnings.warn("image holds no grey level above 1; was 0..255 meant, given in 0..1?", stacklevel=3)
     return jnp.asarray(image, dtype=float)
 
 
 @functools.lru_cache(maxsize=16)
 def _load(name: str) -> np.ndarray:
+    # Here, since most stimuli have no photograph and these take long to load.
+    import imageio.v3 as iio
+    import skimage
+    from skimage.color import rgb2gray
+    from skimage.util import img_as_float
+
     if name in PHOTOGRAPHS:
         path = pathlib.Path(skimage.__file__).parent / "data" / PHOTOGRAPHS[name]
     elif not (path := pathlib.Path(name).expanduser()).is_file():

@@ -3,14 +3,14 @@
 import dataclasses
 
 import jax.numpy as jnp
-from jaxtyping import ScalarLike
 
 from lgmd2jax._eye import Eye
 from lgmd2jax.stimuli._arguments import one_of, positive
 from lgmd2jax.stimuli._background import Panorama
 from lgmd2jax.stimuli._family import family
 from lgmd2jax.stimuli._scene import film
-from lgmd2jax.stimuli._stimulus import Stimulus, frame_times
+from lgmd2jax.stimuli._stimulus import Sketch, frame_times
+from lgmd2jax.stimuli._units import DegreesPerSecond, Milliseconds
 
 
 @family
@@ -18,12 +18,12 @@ def turning(
     eye: Eye,
     *,
     background: Panorama | None = None,
-    speed: ScalarLike = 60.0,
+    speed: DegreesPerSecond = 60.0,
     direction: str = "right",
-    duration_ms: ScalarLike = 1000.0,
+    duration_ms: Milliseconds = 1000.0,
     start_ms: float | int | None = None,
     end_ms: float | int | None = None,
-) -> Stimulus:
+) -> Sketch:
     """The eye turns in a scene, about the vertical. 0 ms is the onset of motion; the scene stands before and after.
 
     **Arguments:**
@@ -40,9 +40,9 @@ def turning(
     scene = Panorama() if background is None else background
     if not isinstance(scene, Panorama):
         raise ValueError(f"background is {scene!r}; an eye turns in a Panorama")
-    speed = positive("speed", speed, "deg/s")
-    duration = positive("duration_ms", duration_ms, "ms")
+    speed = positive("speed", speed, DegreesPerSecond)
+    duration = positive("duration_ms", duration_ms, Milliseconds)
     time = frame_times(eye, start_ms, end_ms, 0.0, duration)
     scene = dataclasses.replace(scene, speed=-speed if direction == "right" else speed)
-    turned = jnp.clip(time, 0, duration)
-    return Stimulus(film(eye, turned, scene), eye.fps, time, courses={"turn_deg": speed * turned / 1000})
+    since = jnp.clip(time, 0, duration)
+    return Sketch(time, lambda: (film(eye, since, scene), {"turn_deg": speed * since / 1000}))

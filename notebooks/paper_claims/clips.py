@@ -15,7 +15,7 @@ from jaxtyping import Float, Int
 
 import lgmd2jax as lgmd
 from lgmd2jax._video.clip import open_clip
-from lgmd2jax.alarms._decoded import decoded
+from lgmd2jax.alarms._decoding import decode
 from notebooks.paper_claims._claim import Finding, listed
 from notebooks.paper_claims._shown import REST
 
@@ -54,7 +54,7 @@ class Part:
 def _response(name: str) -> tuple[np.ndarray, lgmd.Response]:
     """A clip's frames by number, and what the whole clip is answered."""
     path = FOLDER / f"{name}.mp4"
-    seen = decoded(open_clip(path, resize=WIDTH), path, drop_duplicates=True)
+    seen = decode(open_clip(path, resize=WIDTH), path, drop_duplicates=True)
     return seen.index, lgmd.LGMD2()(seen.frames, seen.fps)
 
 

@@ -43,15 +43,15 @@ def test_an_event_that_hangs_by_a_hair_counts_for_half():
     hits = np.array([True] * 4 + [False] * 4)
     hair = np.array([[0.701, 0.9, 0.9, 0.9, 0.699, 0.5, 0.5, 0.5]])
     safe = np.array([[0.5, 0.9, 0.9, 0.9, 0.5, 0.5, 0.5, 0.5]])
-    found = [choose(it, hits, np.ones(8), 0.55, 0.95, SLACK) for it in (hair, safe)]
-    assert [it.cost[0] for it in found] == [0, 1]
-    assert [it.risk[0] for it in found] == pytest.approx([0.95, 1.0], abs=0.05)
+    choices = [choose(peaks, hits, np.ones(8), 0.55, 0.95, SLACK) for peaks in (hair, safe)]
+    assert [choice.cost[0] for choice in choices] == [0, 1]
+    assert [choice.risk[0] for choice in choices] == pytest.approx([0.95, 1.0], abs=0.05)
 
 
 def test_weights_move_the_threshold_away_from_what_costs_more():
     peaks, wanted = np.array([[0.8, 0.6]]), np.array([True, False])
     dear_miss, dear_alarm = (
-        choose(peaks, wanted, np.array(it), 0.5, 1.0, SLACK).threshold[0] for it in ([9.0, 1], [1.0, 9])
+        choose(peaks, wanted, np.array(weights), 0.5, 1.0, SLACK).threshold[0] for weights in ([9.0, 1], [1.0, 9])
     )
     # Exponential tails: nine times the weight is worth slack ln(9)/2 in distance.
     assert dear_alarm - dear_miss == pytest.approx(SLACK * np.log(9), abs=3e-3)

@@ -1,14 +1,19 @@
 """`lgmd2jax fit` with a recipe of kind "alarms", from labelled clips to a folder."""
 
 import csv
+import dataclasses
 import json
 
+import imageio.v3 as iio
 import numpy as np
 import pytest
+from matplotlib.colors import to_rgb
 
 import lgmd2jax as lgmd
 from lgmd2jax import hard
-from lgmd2jax.alarms import Rendered, rendered
+from lgmd2jax._figures.alarms import clips_figure
+from lgmd2jax.alarms import Rendering, evaluate, load_labels
+from lgmd2jax.alarms._starts import AlarmStarts
 from lgmd2jax.cli import main
 from tests.videos import noise, write_video
 
@@ -54,7 +59,7 @@ def place(tmp_path_factory):
     write_video(place / "own.mkv", list(noise(30)))
     (place / "own.toml").write_text(PROTOCOL.split("[rendered]")[0] + '[[clip]]\nfile = "own.mkv"\n')
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("lgmd2jax.alarms._decoded.user_cache_path", lambda name: place / name)
+        patch.setattr("lgmd2jax.alarms._decoding.user_cache_path", lambda name: place / name)
         assert not main(["fit", str(place / "mine.toml"), "--clips", str(place / "own.toml")])
     return place
 
@@ -87,14 +92,14 @@ def test_the_handed_over_model_alarms_as_the_report_says(place):
     with open(place / "mine/clips.csv", newline="") as file:
         rows = list(csv.DictReader(file))
     assert rows.pop()["clip"] == "own"
-    for clip, row in zip(rendered(eye, Rendered(6, seed=2)), rows, strict=True):
+    for clip, row in zip(Rendering(6, seed=2).clips(eye), rows, strict=True):
         robot = hard.load(place / "mine/model.json")
         on = [bool(robot.step(frame).collision) for frame in clip.frames.astype(float)]
-        told = np.zeros(len(on), bool)
+        expected = np.zeros(len(on), bool)
         for stretch in row["alarms"].split():
             first, last = map(int, stretch.split("-"))
-            told[first : last + 1] = True
-        np.testing.assert_array_equal(on, told)
+            expected[first : last + 1] = True
+        np.testing.assert_array_equal(on, expected)
         assert row["clip"] == clip.name
 
 
@@ -116,6 +121,16 @@ def test_a_recipe_that_is_none_says_why_in_one_line(place, recipe, message, caps
     assert not (place / "bad").exists()
 
 
+def test_ctrl_c_before_anything_is_finished_writes_nothing(place, monkeypatch, capsys):
+    def pressed(self):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(AlarmStarts, "compile_screening", pressed)
+    assert main(["fit", str(place / "mine.toml"), "-o", str(place / "stopped")]) == 130
+    assert capsys.readouterr().err.strip().endswith("stopped; nothing was written")
+    assert not (place / "stopped").exists()
+
+
 def test_clips_go_with_alarms_alone(place, capsys):
     assert main(["fit", "twin", "--clips", str(place / "clips.toml")]) != 0
     assert "--clips is for a recipe of kind 'alarms'" in capsys.readouterr().err
@@ -126,14 +141,28 @@ def test_a_protocol_of_labelled_clips_is_no_protocol_of_stimuli(capsys):
         lgmd.load_protocol("video")
 
 
+def bars(path, colour, alpha):
+    """How many lines of a figure have a bar of this colour, longer than the legend's."""
+    pixels = iio.imread(path)[..., :3]
+    expected = 255 * (1 - alpha * (1 - np.array(to_rgb(colour))))
+    lines = np.all(np.abs(pixels - expected) < 2, axis=-1).sum(axis=1) > 60
+    return np.sum(np.diff(lines.astype(int)) == 1)
+
+
 def test_a_model_is_judged_on_clips_without_a_fit(place, capsys):
-    files = place / "seen.csv", place / "seen.png"
-    model = ["--model", str(place / "mine/model.json")]
-    assert not main(["watch", str(place / "clips.toml"), *model, "--csv", str(files[0]), "--figure", str(files[1])])
-    with open(files[0], newline="") as seen, open(place / "mine/clips.csv", newline="") as fitted:
-        assert list(csv.reader(seen)) == list(csv.reader(fitted))[:-1]  # the last is the own clip
-    assert files[1].stat().st_size > 1000
+    table, figure, model = place / "judged.csv", place / "judged.png", str(place / "mine/model.json")
+    command = ["watch", str(place / "clips.toml"), "--model", model]
+    assert not main([*command, "--csv", str(table), "--figure", str(figure)])
+    with open(table, newline="") as judged, open(place / "mine/clips.csv", newline="") as fitted:
+        assert list(csv.reader(judged)) == list(csv.reader(fitted))[:-1]  # the last is the own clip
     assert "clip" in capsys.readouterr().out
+    handed_over = lgmd.load(model)
+    assert isinstance(handed_over, lgmd.LGMD2)
+    evaluation = evaluate(handed_over, load_labels(place / "clips.toml").load())
+    clips_figure(place / "expected.png", evaluation, model)
+    np.testing.assert_array_equal(iio.imread(figure), iio.imread(place / "expected.png"))
+    clips_figure(place / "never.png", dataclasses.replace(evaluation, T_sp=1.0), model)
+    assert (iio.imread(figure) != iio.imread(place / "never.png")).any()
 
 
 def test_a_model_and_clips_of_another_scale(place, capsys):

@@ -9,7 +9,7 @@ from lgmd2jax.alarms import evidence
 
 def alarms(u, T_sp, sigma_sp, N_sp, N_ts):
     """Eqs 16 and 17 as they are written, frame by frame."""
-    spikes = [0 if it < T_sp else 1 if it <= T_sp + sigma_sp else 2 for it in u]
+    spikes = [0 if level < T_sp else 1 if level <= T_sp + sigma_sp else 2 for level in u]
     return np.array([sum(spikes[max(0, t - N_ts) : t + 1]) >= N_sp for t in range(len(u))])
 
 
@@ -19,9 +19,9 @@ def test_the_alarm_is_on_exactly_where_the_evidence_reaches_the_threshold(seed, 
     N_ts, frames = shape
     chance = np.random.default_rng(seed)
     u, sigma_sp = chance.uniform(0.5, 1, frames), chance.uniform(0.02, 0.3)
-    found = np.asarray(evidence(u, sigma_sp, N_sp, N_ts))
+    highest = np.asarray(evidence(u, sigma_sp, N_sp, N_ts))
     for T_sp in chance.uniform(0.3, 1, 40):
-        np.testing.assert_array_equal(found >= T_sp, alarms(u, T_sp, sigma_sp, N_sp, N_ts))
+        np.testing.assert_array_equal(highest >= T_sp, alarms(u, T_sp, sigma_sp, N_sp, N_ts))
 
 
 def test_more_spikes_than_the_window_can_hold_never_alarm():

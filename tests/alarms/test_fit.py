@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import lgmd2jax as lgmd
-from lgmd2jax.alarms import Rendered, fit, footage, rendered, watch
+from lgmd2jax.alarms import LabelledClip, Rendering, evaluate, fit
+from lgmd2jax.alarms._cell_search import peaks_of, sums_at
 from lgmd2jax.alarms._problem import problem_of
-from lgmd2jax.alarms._search import look, seen
 
 EYE = lgmd.Eye.from_field_of_view(18, 24, 70.0, 30.0, "pinhole")
 TRUTH = lgmd.LGMD2(lgmd.preset("lgmd2", T_s=6.0, T_ffi=20.0, k=0.6, tau3=300.0, T_sp=0.66, N_sp=4.0), eye=EYE)
@@ -26,24 +26,24 @@ SETTINGS = {
 }
 
 
-def labelled(clips):
+def twins_of(clips):
     """Clips whose labels are the alarms of the true network, with a frame between that is not judged."""
     twins = []
-    for clip, trace in zip(clips, watch(TRUTH, clips).evidence, strict=True):
+    for clip, trace in zip(clips, evaluate(TRUTH, clips).evidence, strict=True):
         on = trace >= float(TRUTH.parameters.T_sp)
         windows = np.flatnonzero(on)
         if len(windows):
             first, last = int(windows[0]), int(windows[-1])
-            silent = [it for it in ((10, first - 2), (last + 2, len(on) - 1)) if it[0] <= it[1]]
-            twins.append(footage(clip.name, clip.frames, 30, windows=[(first, last)], silent=silent))
+            silent = [pair for pair in ((10, first - 2), (last + 2, len(on) - 1)) if pair[0] <= pair[1]]
+            twins.append(LabelledClip.of(clip.name, clip.frames, 30, windows=[(first, last)], silent=silent))
         else:
-            twins.append(footage(clip.name, clip.frames, 30, silent=[(10, len(on) - 1)]))
+            twins.append(LabelledClip.of(clip.name, clip.frames, 30, silent=[(10, len(on) - 1)]))
     return twins
 
 
 @pytest.fixture(scope="module")
 def clips():
-    return labelled(tuple(rendered(EYE, Rendered(8, seed=5))))
+    return twins_of(tuple(Rendering(8, seed=5).clips(EYE)))
 
 
 @pytest.fixture(scope="module")
@@ -53,17 +53,17 @@ def fitted(clips):
 
 def test_verdicts_of_a_known_network_are_found_again(clips, fitted):
     assert sum(bool(clip.windows) for clip in clips) >= 3
-    assert not all(it.right for it in watch(START, clips).verdicts())  # the start knows nothing of them
+    assert not all(verdict.right for verdict in evaluate(START, clips).verdicts())  # the start knows nothing of them
     assert fitted.cost == 0
-    assert all(it.right for it in fitted.watch.verdicts())
+    assert all(verdict.right for verdict in fitted.evaluation.verdicts())
     assert 0 < fitted.right < fitted.screened == 4 * 128
 
 
 def test_the_margin_is_how_far_T_sp_may_move(clips, fitted):
     T_sp = float(fitted.model.parameters.T_sp)
     for share, all_right in ((0.99, True), (1.01, False)):
-        moved = [watch(with_T_sp(fitted.model, T_sp + sign * share * fitted.margin), clips) for sign in (-1, 1)]
-        assert all(all(it.right for it in each.verdicts()) for each in moved) == all_right
+        moved = [evaluate(with_T_sp(fitted.model, T_sp + sign * share * fitted.margin), clips) for sign in (-1, 1)]
+        assert all(all(verdict.right for verdict in each.verdicts()) for each in moved) == all_right
 
 
 def with_T_sp(model, T_sp):
@@ -84,7 +84,7 @@ def test_looks_ever_closer_find_more_than_as_many_anywhere(clips, fitted):
     alone = {**SETTINGS, "generations": 0, "descend": 0}
     closer = fit(START, clips, FREE, **alone)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("lgmd2jax.alarms._fit._CLOSER", 0)
+        patch.setattr("lgmd2jax.alarms._starts._CLOSER", 0)
         anywhere = fit(START, clips, FREE, **{**alone, "cell_points": 512})
     assert anywhere.screened == 4 * closer.screened
     assert closer.margin > anywhere.margin
@@ -107,15 +107,15 @@ def test_the_same_key_gives_the_same_fit_and_memory_goes_on(clips, fitted):
     memory = {}
     again = fit(START, clips, FREE, **SETTINGS, memory=memory)
     assert again.z.tolist() == fitted.z.tolist()
-    assert {it.split()[0] for it in memory} == {"screening", "generation", "descending"}
+    assert {task.split()[0] for task in memory} == {"screening", "generation", "descending"}
     assert fit(START, clips, FREE, **SETTINGS, memory=memory).z.tolist() == fitted.z.tolist()
 
 
 def test_the_search_sees_what_the_network_does(clips):
     problem = problem_of(TRUTH, FREE, clips, 1.0, 1.0)
     z = FREE.place(TRUTH.parameters, lgmd.Observation())
-    (peaks,) = np.asarray(look(problem, z, seen(problem, z), z[None, list(problem.searched)]))
-    traces = watch(TRUTH, clips).evidence
+    (peaks,) = np.asarray(peaks_of(problem, z, sums_at(problem, z), z[None, list(problem.cell_entries)]))
+    traces = evaluate(TRUTH, clips).evidence
     for event, peak in zip(problem.events, peaks, strict=True):
         clip = clips[event.clip]
         inside = clip.in_windows().any(axis=0) if event.wanted else clip.in_silence()
@@ -130,11 +130,11 @@ def test_the_descents_slope_is_that_of_finite_differences(clips):
     steep = 0
     for i in range(len(z)):
         along = jnp.zeros(len(z)).at[i].set(1.0)
-        here, seen = (np.asarray(it) for it in slope(z, along))
+        here, exact = (np.asarray(array) for array in slope(z, along))
         above, below = (np.asarray(slope(z + step * along, along)[0]) for step in (1e-4, -1e-4))
         differences = np.stack([(above - below) / 2, above - here, here - below]) / 1e-4
-        np.testing.assert_allclose(np.abs(differences - seen).min(axis=0), 0, atol=2e-3)
-        steep += bool(np.abs(seen).max() > 1e-3)
+        np.testing.assert_allclose(np.abs(differences - exact).min(axis=0), 0, atol=2e-3)
+        steep += bool(np.abs(exact).max() > 1e-3)
     assert steep >= 4  # a gate that is far away has no slope
 
 
@@ -152,7 +152,7 @@ def test_the_descents_slope_is_that_of_finite_differences(clips):
 )
 def test_misuse(clips, changes, message):
     if changes.get("clips") == "silent":
-        changes = {"clips": [footage("s", clips[0].frames, 30, silent=[(10, 20)])]}
+        changes = {"clips": [LabelledClip.of("s", clips[0].frames, 30, silent=[(10, 20)])]}
     arguments = {"model": START, "clips": clips, "free": FREE, **SETTINGS, **changes}
     with pytest.raises(ValueError, match=message):
         fit(**arguments)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import lgmd2jax as lgmd
-from lgmd2jax.alarms import fit, load_footage
+from lgmd2jax.alarms import evaluate, fit, load_labels
 
 # Frames of the file; the first ten, and what is in no list, are not judged.
 LABELS = """
@@ -61,30 +61,30 @@ silent = []
 def clips(data, tmp_path_factory):
     place = tmp_path_factory.mktemp("recorded") / "recorded.toml"
     place.write_text(LABELS.format(clips=data / "clips"))
-    return load_footage(place).load()
+    return load_labels(place).load()
 
 
 @pytest.mark.slow
 def test_all_six_are_right_and_the_left_out_ones_are_told(clips, record_property):
     recipe = lgmd.alarms.load_recipe("video")
-    found = fit(recipe.model, clips, recipe.free, key=jax.random.key(0), descend=2, pixel_points=64)
-    record_property("table", found.summary())
-    assert found.cost == 0
-    assert found.margin > 0.05
-    assert found.right / found.screened > 660 / 524_288  # the share that a first trial found
-    verdicts = {it.clip: it for it in found.watch.verdicts()}
-    assert all(it.right for it in verdicts.values())
+    result = fit(recipe.model, clips, recipe.free, key=jax.random.key(0), descend=2, pixel_points=64)
+    record_property("table", result.summary())
+    assert result.cost == 0
+    assert result.margin > 0.05
+    assert result.right / result.screened > 660 / 524_288  # the share that a first trial found
+    verdicts = {verdict.clip: verdict for verdict in result.evaluation.verdicts()}
+    assert all(verdict.right for verdict in verdicts.values())
     # The network itself, from the frames on, says the same.
-    network = dataclasses.replace(found.model, eye=None)  # clips of other frame rates are no mistake here
+    network = dataclasses.replace(result.model, eye=None)  # clips of other frame rates are no mistake here
     for clip in clips:
         collision = clip.index[np.asarray(network(clip.frames, clip.fps).collision) > 0]
         assert verdicts[clip.name].alarms == () or verdicts[clip.name].alarms[0][0] == collision[0]
         assert len(collision) == 0 or verdicts[clip.name].alarms
-    assert set(found.left_out) == {"c29", "tc22", "c21", "nc03", "nc07", "cup"}
+    assert set(result.left_out) == {"c29", "tc22", "c21", "nc03", "nc07", "cup"}
 
 
 @pytest.mark.slow
 def test_the_papers_values_miss_what_the_fit_finds(clips):
     """Table I by hand keeps silent where it should, and misses most of the rest."""
-    verdicts = {it.clip: it for it in lgmd.alarms.watch(lgmd.LGMD2(), clips).verdicts()}
+    verdicts = {verdict.clip: verdict for verdict in evaluate(lgmd.LGMD2(), clips).verdicts()}
     assert sum(not all(verdicts[name].hits) for name in ("c29", "tc22", "c21")) >= 2

@@ -10,9 +10,9 @@ import numpy as np
 
 import lgmd2jax as lgmd
 from lgmd2jax._characterise import trials
-from lgmd2jax._characterise.curves import Curves, normalised
+from lgmd2jax._characterise.curves import Curves, normalise
 from lgmd2jax._characterise.exam import Exam
-from lgmd2jax._characterise.measured import Measured, measured
+from lgmd2jax._characterise.measurements import Measurements, measure
 
 EYE = lgmd.Eye(rows=48, cols=64, degrees_per_pixel=2.0, fps=100.0)
 EXAM = Exam(EYE)
@@ -48,7 +48,7 @@ def step(height: float, start: float = 0.0, stop: float = math.inf) -> Signal:
     return lambda time: np.where((time >= start) & (time < stop), height, 0.0)
 
 
-def added(*signals: Signal) -> Signal:
+def plus(*signals: Signal) -> Signal:
     """The sum."""
     return lambda time: sum((signal(time) for signal in signals), np.zeros(len(time)))
 
@@ -84,41 +84,40 @@ def ideal() -> Neuron:
     neuron[trials.accelerating("linear")] = onset(0.35, 150.0)
     neuron[trials.accelerating("accelerating")] = onset(0.4, 150.0)
     for each in trials.GRATINGS:
-        neuron[trials.grating(*each)] = added(onset(0.2, 80.0), step(0.5, trials.GRATING_MS + 20, 2100.0))
+        neuron[trials.grating(*each)] = plus(onset(0.2, 80.0), step(0.5, trials.GRATING_MS + 20, 2100.0))
     for group in EXAM.groups:
         for trial in group:
             neuron.setdefault(trial.name, onset(0.1, 30.0))  # changes of light
     return neuron
 
 
-def unadapted(neuron: Neuron) -> Neuron:
+def before_adaptation(neuron: Neuron) -> Neuron:
     """The same before adaptation: translation lasts longer."""
     return neuron | {trials.translation(): onset(0.3, 400.0)}
 
 
-def potentials(neuron: Mapping[str, Signal], exam: Exam = EXAM, gain: float = 0.4) -> list[np.ndarray]:
+def potentials(neuron: Mapping[str, Signal], exam: Exam = EXAM, gain: float = 0.4) -> list[jax.Array]:
     """SMP for each group of trials."""
-    return [np.stack([0.5 + gain * neuron[trial.name](trial.time) for trial in group]) for group in exam.groups]
+    groups = ([0.5 + gain * neuron[trial.name](trial.time) for trial in group] for group in exam.groups)
+    return [jnp.asarray(np.stack(group)) for group in groups]
 
 
 @eqx.filter_jit
-def _measured(smp, smp_adapted) -> Measured:
-    return measured(normalised(EXAM, smp, smp_adapted))
+def _measure(smp, smp_adapted) -> Measurements:
+    return measure(normalise(EXAM, smp, smp_adapted))
 
 
-def seen(adapted: Neuron, before: Neuron | None = None, gain: float = 0.4) -> Measured:
-    """What the exam reads from a neuron."""
-    before = unadapted(adapted) if before is None else before
-    return jax.device_get(
-        _measured(*([jnp.asarray(it) for it in potentials(each, gain=gain)] for each in (before, adapted)))
-    )
+def examine(after: Neuron, before: Neuron | None = None, gain: float = 0.4) -> Measurements:
+    """What the exam measures on a neuron after adaptation, and before."""
+    before = before_adaptation(after) if before is None else before
+    return jax.device_get(_measure(potentials(before, gain=gain), potentials(after, gain=gain)))
 
 
 def curves(neuron: Neuron, *names: str) -> Curves:
     """Curves of some trials alone."""
     exam = Exam(EYE, only=(trials.REFERENCE, *names))
-    made = [jnp.asarray(it) for it in potentials({trials.REFERENCE: eta(40.0)} | neuron, exam)]
-    return _normalised(exam, made, made)
+    smp = potentials({trials.REFERENCE: eta(40.0)} | neuron, exam)
+    return _normalise(exam, smp, smp)
 
 
-_normalised = eqx.filter_jit(normalised)
+_normalise = eqx.filter_jit(normalise)

@@ -19,7 +19,8 @@ from lgmd2jax._characterise.curves import (
     second_rise,
 )
 from lgmd2jax._characterise.exam import Exam
-from lgmd2jax._characterise.rows_looming import LOOMS, law_of_peaks, peak_leads
+from lgmd2jax._characterise.measures_looming import LOOMS, law_of_peaks, peak_leads
+from lgmd2jax._network.stages import Sums
 from lgmd2jax._signals import line_through
 from tests.characterise.signals import EYE, curves, eta
 
@@ -115,17 +116,17 @@ def test_the_looming_law_comes_back(alpha, delta):
     At l/|v| 10 ms three frames of 10 ms hold a skew peak of 100 ms to 1.5 ms, at 80 ms to .2 ms.
     """
     neuron = {trials.loom(speed): eta(speed, alpha=alpha, delta=delta + 10) for speed in trials.L_OVER_V}
-    it = curves(neuron, *LOOMS)
-    found = jax.jit(law_of_peaks)(it)
-    assert float(found[0]) == pytest.approx(alpha, abs=0.02)
-    assert float(found[1]) == pytest.approx(delta, abs=1.2)
-    assert np.abs(line_through(peak_leads(it, *LOOMS), np.array(trials.L_OVER_V))[2]).max() < 1.0
+    answers = curves(neuron, *LOOMS)
+    slope, delay = jax.jit(law_of_peaks)(answers)
+    assert float(slope) == pytest.approx(alpha, abs=0.02)
+    assert float(delay) == pytest.approx(delta, abs=1.2)
+    assert np.abs(line_through(peak_leads(answers, *LOOMS), np.array(trials.L_OVER_V))[2]).max() < 1.0
 
 
 def test_stacks_of_unequal_length_hold_no_more_than_their_curves():
-    it = curves({name: eta(speed) for name, speed in zip(LOOMS, trials.L_OVER_V, strict=True)}, *LOOMS)
-    both = it(LOOMS[0], LOOMS[-1])
-    alone = it(LOOMS[0])
+    answers = curves({name: eta(speed) for name, speed in zip(LOOMS, trials.L_OVER_V, strict=True)}, *LOOMS)
+    both = answers(LOOMS[0], LOOMS[-1])
+    alone = answers(LOOMS[0])
     for measure in (integral, second_rise, lambda each: peak(each)[1], lambda each: highest(each, each.after())):
         assert float(measure(both)[0]) == pytest.approx(float(measure(alone)[0]), rel=1e-12)
     assert both.between(-np.inf, np.inf).sum(axis=1).tolist() == list(both.counts)
@@ -137,12 +138,12 @@ def test_the_cell_stage_maps_over_models():
     time = exam.trial(trials.REFERENCE).time
     mp = 3000 * np.exp(-(((time + 150) / 60) ** 2))
     f = 8 * np.exp(-(((time + 100) / 60) ** 2))
-    sums = ((jnp.asarray(mp)[None], jnp.asarray(f)[None]),)
+    sums = (Sums(jnp.asarray(mp)[None], jnp.asarray(f)[None]),)
 
     def one(T_ffi, tau3):
         model = lgmd.LGMD2(lgmd.Parameters(T_ffi=T_ffi, tau3=tau3), eye=EYE)
-        it = curves_of(exam, sums, model)(trials.REFERENCE)
-        return it.values[0], peak(it)[1][0]
+        answer = curves_of(exam, sums, model)(trials.REFERENCE)
+        return answer.values[0], peak(answer)[1][0]
 
     T_ffi, tau3 = jnp.array([2.0, 5.0, 50.0]), jnp.array([100.0, 500.0, 900.0])
     values, times = jax.jit(jax.vmap(one))(T_ffi, tau3)
@@ -151,4 +152,4 @@ def test_the_cell_stage_maps_over_models():
         alone, when = of(T_ffi[i], tau3[i])
         np.testing.assert_allclose(values[i], alone, atol=1e-12)
         assert float(times[i]) == pytest.approx(float(when))
-    assert len({round(float(it), 3) for it in times}) == 3
+    assert len({round(float(when), 3) for when in times}) == 3

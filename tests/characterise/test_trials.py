@@ -80,8 +80,8 @@ def test_a_shift_moves_objects_by_that_part_of_a_pixel():
     first, second = (200 - trial.frames(SMALL)[40] for trial in (straight, aside))
     for axis, count in ((0, SMALL.cols), (1, SMALL.rows)):
         places = np.arange(count)
-        moved = [(each.sum(axis=axis) * places).sum() / each.sum() for each in (first, second)]
-        assert abs(moved[1] - moved[0]) == pytest.approx(0.5, abs=0.02)
+        centres = [(each.sum(axis=axis) * places).sum() / each.sum() for each in (first, second)]
+        assert abs(centres[1] - centres[0]) == pytest.approx(0.5, abs=0.02)
 
 
 def test_textured_scenes_keep_their_mean_and_are_noisy():
@@ -106,7 +106,7 @@ def test_the_photograph_drifts_at_20_degrees_per_second():
     """By 8 degrees, two pixels, in 20 frames of 20 ms."""
     eye = dataclasses.replace(SMALL, rows=24, cols=32, degrees_per_pixel=4.0)
     still, drifting = (
-        {it.name: it for it in trials.all_trials(eye, 0.0)}[name].frames(eye)
+        {trial.name: trial for trial in trials.all_trials(eye, 0.0)}[name].frames(eye)
         for name in (trials.STILL, trials.DRIFTING)
     )
     np.testing.assert_array_equal(still[0], still[20])

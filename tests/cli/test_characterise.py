@@ -5,17 +5,17 @@ import json
 import pytest
 
 import lgmd2jax as lgmd
-from lgmd2jax._characterise.measured import result_of
+from lgmd2jax._characterise.measurements import result_of
 from lgmd2jax.cli import characterise as command, main
-from tests.characterise.signals import EXAM, ideal, seen
-from tests.fitting.fits import made
+from tests.characterise.signals import EXAM, examine, ideal
+from tests.fitting.fits import fit_with
 
 EYE = lgmd.Eye(rows=32, cols=42, degrees_per_pixel=3.0, fps=50.0)
 
 
 @pytest.fixture(scope="module")
 def found():
-    return result_of(EXAM, "LGMD2", seen(ideal()))
+    return result_of(EXAM, "LGMD2", examine(ideal()))
 
 
 @pytest.fixture(scope="module")
@@ -110,7 +110,9 @@ def test_a_model_without_an_eye_leaves_no_file(mine, tmp_path, capsys):
 
 def test_intervals_are_asked_of_the_fit_beside_the_model(shown, mine, tmp_path, monkeypatch):
     asked = []
-    monkeypatch.setattr(command, "load_fit", lambda folder: asked.append(folder) or made(lgmd.Free(tau2=(20, 300)), []))
+    monkeypatch.setattr(
+        command, "load_fit", lambda folder: asked.append(folder) or fit_with(lgmd.Free(tau2=(20, 300)), [])
+    )
     (tmp_path / "model.json").write_bytes(mine.read_bytes())
     assert main(["characterise", str(tmp_path / "model.json"), "--intervals"]) == 0
     assert asked == []

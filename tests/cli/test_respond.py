@@ -3,23 +3,28 @@
 import csv
 import json
 import re
+import xml.etree.ElementTree
 
 import imageio.v3 as iio
 import jax.numpy as jnp
 import matplotlib as mpl
 import numpy as np
 import pytest
+from matplotlib.colors import to_rgb
 
 import lgmd2jax as lgmd
-from lgmd2jax._figures.response import response_figure
-from lgmd2jax._video.clip import Frame, grey, open_clip
+from lgmd2jax._figures.response import BLUE, GREEN, SKY, VERMILION, response_figure
+from lgmd2jax._video.clip import Frame, open_clip
+from lgmd2jax._video.grey import grey
 from lgmd2jax._video.snapshots import Snapshot
 from lgmd2jax._video.trace import Trace
 from lgmd2jax.cli import main
 from lgmd2jax.cli.respond import responses
+from tests.videos import damaged, write_video
 
 av = pytest.importorskip("av", reason="reading video needs the extra 'video'")
 
+SVG = "{http://www.w3.org/2000/svg}"
 COLUMNS = ["frame", "time_ms", "mp", "ffi", "smp", "smp_adapted", "spikes", "collision"]
 
 
@@ -70,7 +75,7 @@ def test_streaming_a_clip_is_the_whole_clip_call(folder):
 def test_real_intervals_reach_the_model(folder):
     def slowed(frames):
         for frame in frames:
-            yield Frame(frame.index, frame.time, 2 * frame.interval, frame.picture, frame.grey, False)
+            yield Frame(frame.index, frame.time, 2 * frame.interval, frame.pixels, frame.grey, False)
 
     model, clip = lgmd.LGMD2(), open_clip(folder, fps=30.0)
     fast, slow = ([row for _, row in responses(model, frames)] for frames in (clip, slowed(clip)))
@@ -82,7 +87,7 @@ def test_a_repeated_frame_does_not_reach_the_model(folder):
     def stuttered(frames):
         for frame in frames:
             yield frame
-            yield Frame(frame.index, frame.time, frame.interval, frame.picture, frame.grey, repeated=True)
+            yield Frame(frame.index, frame.time, frame.interval, frame.pixels, frame.grey, repeated=True)
 
     model, clip = lgmd.LGMD2(), open_clip(folder, fps=30.0)
     plain = [row for _, row in responses(model, clip)]
@@ -116,7 +121,6 @@ def test_it_writes_the_table_and_the_figure_and_says_so(folder, tmp_path, capsys
         "wrote     loom.csv, loom.png",
     ]:
         assert line in said
-    assert iio.imread("loom.png").shape[2] == 4
 
 
 def test_every_file_goes_where_it_is_sent(folder, tmp_path, capsys):
@@ -124,9 +128,47 @@ def test_every_file_goes_where_it_is_sent(folder, tmp_path, capsys):
     sent = [str(word) for option, name in names.items() for word in (option, tmp_path / name)]
     assert main(["respond", str(folder), "--fps", "30", *sent]) == 0
     assert listed(tmp_path / "results") == []
-    assert all((tmp_path / name).stat().st_size > 0 for name in names.values())
     said = capsys.readouterr().out
     assert all(name in said for name in names.values())
+    rows = table(tmp_path / "a.csv")
+    smp, silent = [float(row["smp_adapted"]) for row in rows], [row["collision"] == "0" for row in rows]
+    assert len(smp) == 40
+    np.testing.assert_allclose(curve_of(tmp_path / "b.svg", smp), smp, atol=1e-3)
+    film = iio.imread(tmp_path / "c.mp4", plugin="pyav")
+    assert len(film) == 40
+    clear = np.s_[2:15, 48:53]  # of the trace in the lower half, of the border and of the frame's number
+    np.testing.assert_allclose(film[silent][:, *clear], loom()[silent][:, *clear], atol=25)
+    blueness = (film[..., 2].astype(int) - film[..., 0])[:, 17:41]
+    assert np.all(blueness[2:].max(axis=(1, 2)) > 60)  # the trace, from the first frames on
+
+
+def curve_of(path, values):
+    """SMP after adaptation, a value a frame, as the line of a figure has it; its axis spans the range of `values`."""
+    figure = xml.etree.ElementTree.parse(path).getroot()
+    lines = [line.get("d", "") for line in figure.iter(f"{SVG}path") if "stroke: #0072b2" in line.get("style", "")]
+    x, y = np.array(re.findall(r"[ML] (\S+) (\S+)", max(lines, key=len)), float).T
+    heights = np.interp(np.linspace(x[0], x[-1], len(values)), x, -y)
+    return np.interp(heights, [heights.min(), heights.max()], [min(values), max(values)])
+
+
+def test_the_figure_shows_potentials_inhibition_and_an_alarm_where_there_is_one(folder):
+    """By colours: both potentials, the inhibition, and the light shade of an alarm over all panels."""
+
+    def colours(*options):
+        assert main(["respond", str(folder), "--fps", "30", *options]) == 0
+        pixels = iio.imread("loom.png")[..., :3].astype(int)
+        known = {"smp_adapted": BLUE, "smp": SKY, "ffi": GREEN, "threshold": VERMILION}
+        amounts = {name: near(pixels, to_rgb(colour)) for name, colour in known.items()}
+        return amounts | {"alarm": near(pixels, 0.22 * np.array(to_rgb(VERMILION)) + 0.78)}
+
+    def near(pixels, colour):
+        return int(np.all(np.abs(pixels - 255 * np.array(colour)) < 3, axis=-1).sum())
+
+    loud, silent = colours(), colours("--set", "N_sp=10")
+    assert min(loud.values()) > 200
+    assert loud["alarm"] > 20_000
+    assert silent["alarm"] < 20
+    assert min(amount for name, amount in silent.items() if name != "alarm") > 200
 
 
 def test_the_same_clip_gives_the_same_table_and_figure(folder, tmp_path):
@@ -190,6 +232,48 @@ def test_a_model_file_is_used_and_another_frame_rate_warned_of(folder, tmp_path,
     whole = lgmd.LGMD2(lgmd.Parameters(k=0.5))(jnp.stack([jnp.asarray(grey(picture)) for picture in loom()]), 30.0)
     np.testing.assert_allclose([float(row["smp"]) for row in table("loom.csv")], whole.smp, rtol=1e-8)
     assert capsys.readouterr().err == "lgmd2jax: warning: the model belongs to 100 fps, the clip has 30\n"
+
+
+def test_a_clip_much_larger_than_the_eye_gets_a_word(folder, capsys):
+    lgmd.save(lgmd.LGMD2(eye=lgmd.Eye(11, 15, degrees_per_pixel=2.0, fps=30.0)), "model.json")
+    arguments = ["respond", str(folder), "--fps", "30", "--model", "model.json"]
+    assert main([*arguments, "--resize", "55"]) == 0
+    assert "warning: the model's eye has 11 x 15 pixels, and it sees 41 x 55" in capsys.readouterr().err
+    assert main(arguments) == 0
+    assert capsys.readouterr().err == ""
+
+
+def test_one_frame_that_is_held_does_not_change_the_clock_of_the_others(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    stamps = [*np.round(np.arange(40) * 1000 / 30), 6300]
+    write_video(
+        tmp_path / "held.mp4", [*loom(40, 40, 56), loom(40, 40, 56)[-1]], "libx264", "yuv420p", stamps_ms=stamps
+    )
+    lgmd.save(lgmd.LGMD2(eye=lgmd.Eye(40, 56, degrees_per_pixel=2.0, fps=30.0)), "model.json")
+    assert main(["respond", "held.mp4", "--model", "model.json"]) == 0
+    said = capsys.readouterr()
+    assert said.err == ""
+    assert re.search(r"at (30|29\.9\d+) fps", said.out)
+    steps = re.search(r"clock     the file's time stamps: a step of the model is (\S+) to (\S+) ms", said.out)
+    assert steps is not None
+    assert [float(step) for step in steps.groups()] == pytest.approx([1000 / 30, 5000], abs=1.5)
+    assert re.search(r"speed     \d+ frames per second, without compilation", said.out)
+    assert len(table("held.csv")) == 41
+
+
+def test_a_white_level_and_a_damaged_end_can_be_told(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    deep = (loom(40, 20, 28)[..., 0] / 255 * 4095).round().astype(np.uint16)
+    path = write_video(tmp_path / "deep.mkv", deep, pixels="gray16le", given="gray16le")
+    assert main(["respond", "deep.mkv", "--white", "4095"]) == 0
+    expected = [row.smp for _, row in responses(lgmd.LGMD2(), open_clip(path, white=4095))]
+    assert [float(row["smp"]) for row in table("deep.csv")] == pytest.approx(expected, abs=1e-8)
+    capsys.readouterr()
+    damaged(path)
+    assert "--until-damage" in refused([path, "--white", "4095"], capsys)
+    assert main(["respond", "deep.mkv", "--white", "4095", "--until-damage"]) == 0
+    assert re.fullmatch(r"lgmd2jax: warning: .*deep\.mkv: it is damaged or truncated: .*\n", capsys.readouterr().err)
+    assert 5 < len(table("deep.csv")) < 40
 
 
 def test_matplotlib_is_left_as_it_was(tmp_path):

@@ -8,7 +8,7 @@ import pytest
 from lgmd2jax import Eye, load_protocol
 from lgmd2jax._figures import stimuli as _figures_stimuli
 from lgmd2jax._figures.contact_sheet import Card
-from lgmd2jax.alarms import Rendered, rendered
+from lgmd2jax.alarms import Rendering
 from lgmd2jax.cli import main
 from lgmd2jax.stimuli import Stimulus
 
@@ -79,7 +79,7 @@ def test_labelled_clips_are_drawn_over_their_labels(protocol, monkeypatch):
     assert main(["stimuli", str(protocol), "--clips", "npz"]) == 0
     ((title, cards),) = seen
     assert title == "trial: 3 labelled clips"
-    clips = rendered(Eye(13, 17, 5.0, 40.0), Rendered(3, seed=1))
+    clips = Rendering(3, seed=1).clips(Eye(13, 17, 5.0, 40.0))
     assert {it.name for it in cards} == {it.name for it in clips}
     assert [it.name[4:] for it in cards] == sorted(it.name[4:] for it in cards)
     for card in cards:

@@ -1,6 +1,7 @@
 """`lgmd2jax sweep`, from a recipe to a store and a figure, and what is wrong with a recipe, in one line."""
 
 import imageio.v3 as iio
+import matplotlib as mpl
 import numpy as np
 import pytest
 import xarray
@@ -43,7 +44,6 @@ def test_a_recipe_becomes_a_store_and_a_figure(recipe, capsys, monkeypatch):
     folder = recipe.with_suffix("")
     assert f"wrote {folder}/ (3 theta1 x 2 contrast x 3 l_over_v)" in capsys.readouterr().out
     assert sorted(path.name for path in folder.iterdir()) == ["sweep.png", "sweep.zarr"]
-    assert iio.imread(folder / "sweep.png").shape[0] > 500
     found = xarray.open_zarr(folder / "sweep.zarr", chunks=None, consolidated=False)
     np.testing.assert_allclose(found.l_over_v, [10, 20, 40])
     eye = lgmd.Eye(rows=10, cols=12, degrees_per_pixel=8.0, fps=50.0)
@@ -51,6 +51,10 @@ def test_a_recipe_becomes_a_store_and_a_figure(recipe, capsys, monkeypatch):
     response = lgmd.LGMD2(lgmd.Parameters(theta1=1.0))(shown.frames, 50.0)
     at = found.sel(theta1=1.0, contrast=0.2).isel(l_over_v=1)
     np.testing.assert_allclose(at.peak, response.smp_adapted.max(), rtol=1e-9)
+    dark, light = found.peak.sel(theta1=0.0).isel(l_over_v=0).values
+    colour = mpl.colormaps["PuOr_r"](((dark - light) / (dark + light) + 1) / 2)
+    pixels = iio.imread(folder / "sweep.png")
+    assert np.all(np.abs(pixels - 255 * np.array(colour)) < 2, axis=-1).mean() > 0.05  # a third of the surface
     monkeypatch.setattr("lgmd2jax._sweep.blocks.Plan.compute", None)  # all is there already
     assert main(["sweep", str(recipe)]) == 0
 

@@ -12,7 +12,7 @@ from lgmd2jax._figures import fit as _figures_fit
 from lgmd2jax._figures.fit import diagnostics_figure, fit_figure
 from lgmd2jax._figures.style import BLACK, BLUE, VERMILION
 from lgmd2jax.fitting import Free
-from tests.fitting.fits import curve, made, run
+from tests.fitting.fits import curve, fit_with, run
 
 THREE = Free(theta2=None, tau1=None, T_sp=None)
 FAMILIES = ("loom dark 40 ms", "loom light 40 ms", "recede", "translate", "grating")
@@ -151,7 +151,7 @@ def test_panels_stay_large_enough_to_read(figures, count):
 
 def test_the_waterfall_shows_starts_and_descents(figures):
     runs = [run(1.0, free=3), run(1.001, free=3), run(5.0, free=3)]
-    diagnostics_figure("any.png", made(THREE, [curve()], runs=runs, screened=[2.0, 3.0, 50.0]))
+    diagnostics_figure("any.png", fit_with(THREE, [curve()], runs=runs, screened=[2.0, 3.0, 50.0]))
     screened, descended = titled(figures[0], "3 starts screened"), titled(figures[0], "best found 2 of 3 times")
     np.testing.assert_array_equal(screened.get_lines()[0].get_ydata(), [2, 3, 50])
     np.testing.assert_array_equal(lines(descended)["start"].get_ydata(), [20, 20, 20])
@@ -162,7 +162,7 @@ def test_the_waterfall_shows_starts_and_descents(figures):
 
 def test_the_history_begins_anew_at_each_temperature(figures):
     runs = [run(1.0, ((9.0, 4.0), (3.0, 2.0, 1.0)), 3), run(2.0, ((8.0, 7.0, 6.0),), 3)]
-    diagnostics_figure("any.png", made(THREE, [curve()], runs=runs))
+    diagnostics_figure("any.png", fit_with(THREE, [curve()], runs=runs))
     (history,) = [axes for axes in figures[0].axes if axes.get_xlabel() == "step of the solver"]
     drawn = [
         (list(it.get_xdata()), list(it.get_ydata()))
@@ -177,7 +177,7 @@ def test_the_history_begins_anew_at_each_temperature(figures):
 
 def test_correlations_stand_in_their_cells_and_what_is_undetermined_is_empty(figures):
     jacobian = np.random.default_rng(0).normal(size=(50, 3)) * [1, 0, 1]
-    fit = made(THREE, [curve()], jacobian=jacobian)
+    fit = fit_with(THREE, [curve()], jacobian=jacobian)
     diagnostics_figure("any.png", fit)
     axes = titled(figures[0], "correlation")
     shown = np.ma.filled(axes.get_images()[0].get_array(), np.nan)
@@ -190,7 +190,7 @@ def test_correlations_stand_in_their_cells_and_what_is_undetermined_is_empty(fig
 
 def test_the_spectrum_names_its_directions_from_stiff_to_sloppy(figures):
     jacobian = np.random.default_rng(0).normal(size=(50, 3)) * [0.1, 10, 1]
-    fit = made(THREE, [curve()], jacobian=jacobian)
+    fit = fit_with(THREE, [curve()], jacobian=jacobian)
     diagnostics_figure("any.png", fit)
     axes = titled(figures[0], "sensitivity spectrum")
     (points,) = [line for line in axes.get_lines() if line.get_marker() == "o"]
@@ -202,7 +202,7 @@ def test_the_spectrum_names_its_directions_from_stiff_to_sloppy(figures):
 
 def test_the_gap_of_every_curve_is_a_bar_and_large_ones_stand_out(figures):
     curves = [curve("good", hard=curve().soft + 0.01), curve("bad", hard=curve().soft + 0.1)]
-    diagnostics_figure("any.png", made(THREE, curves))
+    diagnostics_figure("any.png", fit_with(THREE, curves))
     axes = titled(figures[0], "gap of soft and hard")
     np.testing.assert_allclose([bar.get_width() for bar in axes.patches], [100 * it.gap for it in curves])
     assert [bool(bar.get_hatch()) for bar in axes.patches] == [False, True]
@@ -211,7 +211,7 @@ def test_the_gap_of_every_curve_is_a_bar_and_large_ones_stand_out(figures):
 
 def test_a_fit_that_was_stopped_early_or_is_perfect_can_be_drawn(figures):
     early = run(0.0, (), 1)
-    fit = made(
+    fit = fit_with(
         Free(theta2=None),
         [curve(soft=curve().target, hard=curve().target, band=np.zeros(30))],
         jacobian=np.zeros((50, 1)),
@@ -228,7 +228,7 @@ def test_a_fit_that_was_stopped_early_or_is_perfect_can_be_drawn(figures):
 
 def test_figures_are_written_and_leave_matplotlibs_settings_alone(tmp_path):
     before = dict(mpl.rcParams)
-    fit = made(THREE, two_channels(FAMILIES[:2]))
+    fit = fit_with(THREE, two_channels(FAMILIES[:2]))
     fit_figure(tmp_path / "fit.png", fit.curves, "lgmd2")
     diagnostics_figure(tmp_path / "diagnostics.png", fit)
     for name in ("fit.png", "diagnostics.png"):

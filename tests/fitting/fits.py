@@ -36,7 +36,7 @@ def run(
     return Run((0.5,) * free, (0.5,) * free, 20.0, loss, loss, history, "converged")
 
 
-def made(
+def fit_with(
     free: Free,
     curves: Sequence[Curve],
     *,
@@ -61,7 +61,7 @@ def made(
         observation=observation,
         free=free,
         z=place,
-        start={it.name: float(it.value(0.25)) for it in free.freedoms},
+        start={freedom.name: float(freedom.value(0.25)) for freedom in free.freedoms},
         loss=1.0,
         soft_loss=0.9,
         temperatures=temperatures,

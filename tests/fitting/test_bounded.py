@@ -10,7 +10,7 @@ import optimistix as optx
 import pytest
 from scipy import optimize
 
-from lgmd2jax.fitting._solver.levenberg_marquardt import BoundedLevenbergMarquardt
+from lgmd2jax.fitting._solver.levenberg_marquardt import BoundedLevenbergMarquardt, _move
 
 SCIPY: Any = optimize.least_squares
 TIME = np.linspace(0, 4, 60)
@@ -227,19 +227,6 @@ def test_float32_stays_float32():
     np.testing.assert_allclose(solution.value, exact.value, rtol=1e-4)
 
 
-@pytest.mark.parametrize("mode", ["fwd", "bwd"])
-def test_either_mode_of_differentiation(mode):
-    solution = optx.least_squares(
-        decay_residuals, solver(), jnp.array([1, 3, 0.1]), clean(0.0), options={"jac": mode}, max_steps=50
-    )
-    np.testing.assert_allclose(solution.value, [2, 1.3, 0.5], rtol=1e-8)
-
-
-def test_an_unknown_mode_of_differentiation_is_refused():
-    with pytest.raises(ValueError, match=r"options\['jac'\] is 'sideways'; choose 'fwd' or 'bwd'"):
-        optx.least_squares(decay_residuals, solver(), jnp.ones(3), clean(0.0), options={"jac": "sideways"})
-
-
 def test_crossed_bounds_are_refused():
     with pytest.raises(ValueError, match=r"lower bound 2.0 lies above the upper bound 1.0"):
         BoundedLevenbergMarquardt(1e-8, 1e-8, 2.0, 1.0)
@@ -249,6 +236,19 @@ def test_equal_bounds_hold_a_variable():
     solution = solve(decay_residuals, [1, 3, 0.1], clean(0.0), [0, 1.3, 0], [10, 1.3, 10])
     np.testing.assert_allclose(solution.value, [2, 1.3, 0.5], rtol=1e-8)
     assert solution.value[1] == 1.3
+
+
+def test_a_step_onto_a_bound_ends_on_it_exactly():
+    """Y + (bound - y) is not the bound where the subtraction rounds."""
+    chance = np.random.default_rng(0)
+    y, upper, lower = chance.uniform(0.1, 1, 1000), chance.uniform(1, 3, 1000), -chance.uniform(0.01, 0.1, 1000)
+    assert (np.minimum(y + (upper - y), upper) != upper).any()
+    assert (np.maximum(y + (lower - y), lower) != lower).any()
+    y, lower, upper = map(jnp.asarray, (y, lower, upper))
+    np.testing.assert_array_equal(_move(y, upper - y, lower, upper), upper)
+    np.testing.assert_array_equal(_move(y, lower - y, lower, upper), lower)
+    np.testing.assert_array_equal(_move(y, 2 * (upper - y), lower, upper), upper)
+    np.testing.assert_array_equal(_move(y, jnp.zeros_like(y), lower, upper), y)
 
 
 @pytest.mark.parametrize("start", [[0, 0, 0], [10, 10, 10], [-5, 50, 0.1]])

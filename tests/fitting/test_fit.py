@@ -9,7 +9,8 @@ import pytest
 
 import lgmd2jax as lgmd
 from lgmd2jax._channels import Channel
-from lgmd2jax.fitting import _descent, _problem
+from lgmd2jax.fitting import _problem
+from lgmd2jax.fitting._search import search as _search
 
 EYE = lgmd.Eye(rows=12, cols=16, degrees_per_pixel=8.0, fps=60.0)
 OBSERVATION = lgmd.Observation(baseline=5.0, gain=80.0, latency=30.0)
@@ -101,7 +102,7 @@ def test_the_same_key_gives_the_same_fit_and_finished_work_is_not_done_again(loo
     for task in [name for name in memory if name.startswith("descending")][1:]:
         del memory[task]
     calls = []
-    monkeypatch.setattr(_descent, "solve", lambda *it, solve=_descent.solve: calls.append(1) or solve(*it))
+    monkeypatch.setattr(_search, "descend", lambda *args, descend=_search.descend: calls.append(1) or descend(*args))
     again = lgmd.fit(*arguments, key=KEY, **QUICK, memory=memory)
     assert again.values == soft_fit.values
     assert [run.loss for run in again.runs] == [run.loss for run in soft_fit.runs]
@@ -111,7 +112,7 @@ def test_the_same_key_gives_the_same_fit_and_finished_work_is_not_done_again(loo
 def test_another_fit_of_the_same_shape_traces_nothing(looms, soft_fit, monkeypatch):
     traces = []
     residuals = _problem.Problem.residuals
-    monkeypatch.setattr(_problem.Problem, "residuals", lambda *it: traces.append(1) or residuals(*it))
+    monkeypatch.setattr(_problem.Problem, "residuals", lambda *args: traces.append(1) or residuals(*args))
     soft = lgmd.Soft(1.0)
     truth = model_of(soft, theta2=2.0, k=0.6, tau3=400.0)
     fit = lgmd.fit(model_of(soft), conditions(looms, truth), FREE, key=jax.random.key(2), **QUICK)
@@ -151,14 +152,14 @@ def test_other_solvers_of_optimistix(looms, solver):
 def test_a_robust_loss_is_not_pulled_by_outliers(looms):
     soft = lgmd.Soft(1.0)
     truth = model_of(soft, **TRUTH)
-    spoilt = []
+    with_outliers = []
     for stimulus in looms:
         curve = np.array(truth(stimulus.frames, 60.0).smp_adapted)
         curve[10::17] += 0.3
-        spoilt.append((stimulus, lgmd.Target("smp_adapted", curve, error=0.005)))
+        with_outliers.append((stimulus, lgmd.Target("smp_adapted", curve, error=0.005)))
     off = {}
     for loss in ("squares", "cauchy"):
-        fit = lgmd.fit(model_of(soft), spoilt, FREE, key=KEY, loss=loss, **QUICK)
+        fit = lgmd.fit(model_of(soft), with_outliers, FREE, key=KEY, loss=loss, **QUICK)
         off[loss] = max(abs(fit.values[name] / value - 1) for name, value in TRUTH.items())
     assert off["cauchy"] < 0.02 < off["squares"]
 
@@ -169,16 +170,16 @@ def test_ties_and_priors(looms):
     truth = model_of(soft, **TRUTH)
     known = [(stimulus, lgmd.Weighted(lgmd.ModelTarget(model=truth), error=1e-3)) for stimulus in looms]
 
-    def fitted(k):
+    def fit_of(k):
         free = lgmd.Free(k=k, theta2=(1, 6), theta1=lgmd.Tie("theta2"))
         return lgmd.fit(model_of(soft, tau3=250.0), known, free, key=KEY, **QUICK)
 
-    alone = fitted(lgmd.Log(0.1, 2))
+    alone = fit_of(lgmd.Log(0.1, 2))
     assert alone.parameters.theta1 == alone.parameters.theta2
     error = alone.uncertainty.standard_errors[alone.free.names.index("k")]
-    drawn = fitted(lgmd.Log(0.1, 2, prior=(alone.values["k"] + 2 * error, error)))
-    np.testing.assert_allclose((drawn.values["k"] - alone.values["k"]) / error, 1, atol=0.05)
-    np.testing.assert_allclose(drawn.uncertainty.standard_errors[0] / error, np.sqrt(0.5), rtol=0.05)
+    with_prior = fit_of(lgmd.Log(0.1, 2, prior=(alone.values["k"] + 2 * error, error)))
+    np.testing.assert_allclose((with_prior.values["k"] - alone.values["k"]) / error, 1, atol=0.05)
+    np.testing.assert_allclose(with_prior.uncertainty.standard_errors[0] / error, np.sqrt(0.5), rtol=0.05)
 
 
 def test_degenerate_cases_end_well(looms):
@@ -205,8 +206,8 @@ def test_the_next_stimulus_is_the_one_that_shows_the_parameter(looms):
     soft = lgmd.Soft(1.0)
     truth = model_of(soft, **TRUTH)
     free = lgmd.Free(k=(0.1, 2), T_sp=None)
-    seen = [(looms[0], lgmd.Weighted(lgmd.ModelTarget(model=truth, channel="spikes"), error=0.1))]
-    fit = lgmd.fit(model_of(soft, theta2=1.5, tau3=250.0), seen, free, key=KEY, **QUICK)
+    shown = [(looms[0], lgmd.Weighted(lgmd.ModelTarget(model=truth, channel="spikes"), error=0.1))]
+    fit = lgmd.fit(model_of(soft, theta2=1.5, tau3=250.0), shown, free, key=KEY, **QUICK)
     nothing = lgmd.stimuli.luminance(EYE, level=199.0, background=200.0, ramp_ms=0.0, hold_ms=300.0)
     ranked = fit.next_stimulus([nothing, looms[0]])
     assert [candidate.name for candidate in ranked] == ["looming", "luminance"]

@@ -34,7 +34,7 @@ def test_the_ends_of_the_box_are_the_bounds(end):
 
 
 def test_declared_scales_say_what_counts_factors():
-    scales = {it.name: it.scale for it in Free(tau1=None, theta2=None, T_s=Linear()).freedoms}
+    scales = {freedom.name: freedom.scale for freedom in Free(tau1=None, theta2=None, T_s=Linear()).freedoms}
     assert scales == {"tau1": "log", "theta2": "linear", "T_s": "linear"}
 
 

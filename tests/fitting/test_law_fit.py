@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import lgmd2jax as lgmd
-from lgmd2jax.fitting._law_fit import LawFit, beside_law, check_approaches, fit_law
-from lgmd2jax.fitting._report import Extra
-from tests.fitting.fits import curve, made
+from lgmd2jax.fitting import Supplement
+from lgmd2jax.fitting._law_fit import LawFit, check_approaches, compare_with_law, fit_law
+from tests.fitting.fits import curve, fit_with
 
 EYE = lgmd.Eye(rows=8, cols=12, degrees_per_pixel=10.0, fps=60.0)
 SPEEDS = (5.0, 10.0, 20.0, 40.0)
@@ -58,35 +58,33 @@ def test_the_law_is_eta_delayed_smoothed_and_scaled():
 
 
 def test_a_known_law_comes_back():
-    found = fit_law(pairs_of(), smoothing=20.0)
-    assert found.alpha == pytest.approx(4.4, abs=0.02)
-    assert found.exponent == pytest.approx(-0.2, abs=2e-3)
+    law = fit_law(pairs_of(), smoothing=20.0)
+    assert law.alpha == pytest.approx(4.4, abs=0.02)
+    assert law.exponent == pytest.approx(-0.2, abs=2e-3)
     for name in ("baseline", "gain", "latency"):
-        assert float(getattr(found.observation, name)) == pytest.approx(
-            float(getattr(TRUE.observation, name)), rel=5e-3
-        )
+        assert float(getattr(law.observation, name)) == pytest.approx(float(getattr(TRUE.observation, name)), rel=5e-3)
 
 
 def test_each_speed_is_predicted_from_the_others_and_lines_are_those_of_the_peaks():
     pairs = pairs_of(noise=0.2, speeds=SPEEDS[1:])
-    it = beside_law(pairs, curves_of(pairs, late=1000 / 60), smoothing=20.0)
-    assert all(r2 > 0.99 for r2 in (*it.r2.values(), *it.left_out.values()))
-    assert set(it.peaks) == {stimulus.name for stimulus, _ in pairs}
+    law = compare_with_law(pairs, curves_of(pairs, late=1000 / 60), smoothing=20.0)
+    assert all(r2 > 0.99 for r2 in (*law.r2.values(), *law.left_out.values()))
+    assert set(law.peaks) == {stimulus.name for stimulus, _ in pairs}
     # The network's curves are the recorded ones, a frame later: the same slope.
-    assert it.lines["network"].delta == pytest.approx(it.lines["recording"].delta + 1000 / 60, abs=0.01)
-    assert it.lines["network"].alpha == pytest.approx(it.lines["recording"].alpha, abs=1e-3)
+    assert law.lines["network"].delta == pytest.approx(law.lines["recording"].delta + 1000 / 60, abs=0.01)
+    assert law.lines["network"].alpha == pytest.approx(law.lines["recording"].alpha, abs=1e-3)
     # Smoothing shifts the peaks of a skewed curve back, least where it is broad: the slope is a little below alpha.
-    assert 4.0 < it.lines["looming law"].alpha < 4.4
-    assert it.lines["looming law"].r2 > 0.999
+    assert 4.0 < law.lines["looming law"].alpha < 4.4
+    assert law.lines["looming law"].r2 > 0.999
 
 
 def test_the_report_and_the_file_tell_of_it():
     pairs = pairs_of(speeds=SPEEDS[1:])
-    fit = made(lgmd.Free(theta2=None), curves_of(pairs))
-    it = beside_law(pairs, fit.curves, smoothing=20.0)
-    report = fit.summary(Extra(beside=it, left_out=dict.fromkeys(it.r2, 0.5)))
+    fit = fit_with(lgmd.Free(theta2=None), curves_of(pairs))
+    law = compare_with_law(pairs, fit.curves, smoothing=20.0)
+    report = fit.summary(Supplement(looming_law=law, left_out=dict.fromkeys(law.r2, 0.5)))
     assert "Beside the looming law" in report
-    assert f"{it.lines['recording'].alpha:.2f} l/|v|" in report
+    assert f"{law.lines['recording'].alpha:.2f} l/|v|" in report
     assert "0.500 and 1.000 (network, law)" in " ".join(report.split())
     assert "looming law" not in fit.summary()
 

@@ -7,7 +7,7 @@ import pytest
 
 import lgmd2jax as lgmd
 from lgmd2jax.fitting._uncertainty.covariance import uncertainty
-from lgmd2jax.fitting._uncertainty.linearity import curved
+from lgmd2jax.fitting._uncertainty.linearity import nonlinear_parameters
 
 FREE = lgmd.Free(theta2=None, tau1=lgmd.Linear(), w_bias=None)
 MATRIX = np.random.default_rng(0).normal(size=(60, 3))
@@ -16,7 +16,7 @@ NOISES = NOISE * np.random.default_rng(1).normal(size=60)
 MIDDLE = np.array([0.4, 0.6, 0.5])
 
 
-def judged(bent, z=MIDDLE, noise=1.0):
+def verdict(bent, z=MIDDLE, noise=1.0):
     """The verdict on curves that are linear in a bent version of the point."""
 
     def residuals(point):
@@ -32,7 +32,7 @@ def judged(bent, z=MIDDLE, noise=1.0):
         n_effective=60,
         absolute=False,
     )
-    return curved(residuals, z, u)
+    return nonlinear_parameters(residuals, z, u)
 
 
 def bend(index, curvature):
@@ -43,35 +43,59 @@ def bend(index, curvature):
 
 
 def test_linear_curves_are_straight():
-    assert judged(lambda z: z) == ()
+    assert verdict(lambda z: z) == ()
 
 
 @pytest.mark.parametrize("index", range(3))
 def test_only_the_parameter_that_bends_is_named(index):
     # Two standard errors are about 2 NOISE / sqrt(60) in the box.
     reach = 2 * NOISE / np.sqrt(60)
-    assert judged(bend(index, 0.05 / reach)) == ()
-    assert judged(bend(index, 1 / reach)) == (FREE.names[index],)
+    assert verdict(bend(index, 0.05 / reach)) == ()
+    assert verdict(bend(index, 1 / reach)) == (FREE.names[index],)
+
+
+@pytest.mark.parametrize(("curvature", "named"), [(0.15, False), (0.3, True)])
+def test_a_known_nonlinearity_is_named_where_chi2_rises_by_half_more(curvature, named):
+    """Orthogonal curves in z + c z^2 / (2 s), s the standard error: 2 s away chi2 rises by 4 (1 + c)^2, not by 4."""
+    columns = np.linalg.qr(MATRIX)[0]
+    noise = NOISES - columns @ (columns.T @ NOISES)  # leaves the optimum where it is
+    variance = np.sum(noise**2) / 57
+    error = np.sqrt(variance)
+
+    def residuals(point):
+        away = point - MIDDLE
+        return columns @ away.at[0].add(curvature * away[0] ** 2 / (2 * error)) + noise
+
+    u = uncertainty(
+        FREE.names, MIDDLE, FREE.unpacked, FREE.slopes(MIDDLE), columns, noise, n_effective=60, absolute=False
+    )
+    np.testing.assert_allclose(np.sqrt(np.diag(u.covariance_z)), error)
+    rise = np.sum(np.square(residuals(jnp.asarray(MIDDLE).at[0].add(2 * error)))) - np.sum(noise**2)
+    np.testing.assert_allclose(rise / variance, 4 * (1 + curvature) ** 2, rtol=1e-6)
+    assert nonlinear_parameters(residuals, MIDDLE, u) == (("theta2",) if named else ())
 
 
 def test_smaller_noise_straightens_the_same_curves():
     bent = bend(1, np.sqrt(60) / (2 * NOISE))
-    assert judged(bent) == ("tau1",)
-    assert judged(bent, noise=0.01) == ()
-    assert judged(bent, noise=0.0) == ()
+    assert verdict(bent) == ("tau1",)
+    assert verdict(bent, noise=0.01) == ()
+    assert verdict(bent, noise=0.0) == ()
 
 
 def test_at_a_wall_the_other_side_is_judged():
     z = np.array([0.0, 0.6, 0.5])
-    assert judged(lambda point: point, z=z) == ()
-    assert judged(lambda point: point.at[0].add(5e3 * jnp.square(point[0])), z=z) == ("theta2",)
+    assert verdict(lambda point: point, z=z) == ()
+    assert verdict(lambda point: point.at[0].add(5e3 * jnp.square(point[0])), z=z) == ("theta2",)
 
 
-def test_what_is_not_determined_is_not_judged():
+def test_what_is_not_determined_is_not_named_however_it_bends():
+    """w_bias has no slope at the best point, and a parabola beside it; tau1 bends too, and is named."""
+
     def bent(z):
-        return z.at[2].set(0.0)
+        return z.at[2].set(3 * jnp.square(z[2] - MIDDLE[2]))
 
-    assert judged(bent) == ()
+    assert verdict(bent) == ()
+    assert verdict(lambda z: bend(1, np.sqrt(60) / (2 * NOISE))(bent(z))) == ("tau1",)
 
 
 @pytest.mark.parametrize("follows", [True, False])
@@ -82,9 +106,9 @@ def test_what_moves_along_a_plateau_is_rough_though_it_is_straight_at_the_best_p
         first = 0.1 * jnp.square(jnp.maximum(z[0] - 0.4, 0))
         return jnp.stack([first, z[1] + follows * 0.2 * jnp.minimum(z[0], 0.4), z[2]])
 
-    found = judged(bent, z=np.array([0.41, 0.6, 0.5]))
-    assert "theta2" in found
-    assert ("tau1" in found) == follows
+    names = verdict(bent, z=np.array([0.41, 0.6, 0.5]))
+    assert "theta2" in names
+    assert ("tau1" in names) == follows
 
 
 @pytest.mark.parametrize("follows", [True, False])
@@ -94,4 +118,4 @@ def test_what_hangs_on_a_parameter_at_its_bound_is_rough(follows):
     def bent(z):
         return jnp.stack([3e-4 * z[0], z[1] + follows * 0.01 * z[0], z[2]])
 
-    assert judged(bent, z=np.array([0.0, 0.6, 0.5])) == (("tau1",) if follows else ())
+    assert verdict(bent, z=np.array([0.0, 0.6, 0.5])) == (("tau1",) if follows else ())

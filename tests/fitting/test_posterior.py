@@ -4,12 +4,11 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+import xarray
 
 from lgmd2jax._results.posterior_nc import write_posterior
 from lgmd2jax.fitting._uncertainty.posterior import posterior
 
-pytest.importorskip("blackjax")
-pytestmark = pytest.mark.slow
 SLOPES = np.array([[40.0, 30, 0], [0, 25, 5], [0, 0, 30], [10, -10, 10]])
 CENTRE = np.array([0.3, 0.5, 0.7])
 
@@ -24,33 +23,35 @@ def draw(slopes, z=CENTRE, variance=1.0, seed=0):
 
 
 @pytest.fixture(scope="module")
-def drawn():
+def sample():
+    """1,200 draws of a Gaussian posterior, whose mean and covariance are known."""
     return draw(SLOPES, variance=0.8)
 
 
-def test_a_straight_model_has_its_covariance(drawn):
-    assert drawn.z.shape == (2, 600, 3)
-    assert not drawn.diverging.any()
-    assert (drawn.r_hat < 1.02).all()
-    assert (drawn.effective > 300).all()
-    z = drawn.z.reshape(-1, 3)
+def test_a_straight_model_has_its_covariance(sample):
+    assert sample.z.shape == (2, 600, 3)
+    assert not sample.diverging.any()
+    assert (sample.r_hat < 1.02).all()
+    assert (sample.effective > 300).all()
+    z = sample.z.reshape(-1, 3)
     covariance = 0.8 * np.linalg.inv(SLOPES.T @ SLOPES)
     errors = np.sqrt(np.diag(covariance))
-    assert (np.abs(z.mean(axis=0) - CENTRE) < 4 * errors / np.sqrt(drawn.effective)).all()
-    found = np.cov(z.T)
-    np.testing.assert_allclose(np.sqrt(np.diag(found)), errors, rtol=0.15)
+    assert (np.abs(z.mean(axis=0) - CENTRE) < 4 * errors / np.sqrt(sample.effective)).all()
+    np.testing.assert_allclose(np.sqrt(np.diag(np.cov(z.T))), errors, rtol=0.15)
     np.testing.assert_allclose(np.corrcoef(z.T), covariance / np.outer(errors, errors), atol=0.1)
 
 
+@pytest.mark.slow
 def test_without_data_every_value_between_the_bounds_is_as_likely():
-    drawn = draw(np.zeros((4, 3)), z=np.array([0.0, 0.5, 1.0]))  # also starts on the bounds
-    z = drawn.z.reshape(-1, 3)
+    sample = draw(np.zeros((4, 3)), z=np.array([0.0, 0.5, 1.0]))  # also starts on the bounds
+    z = sample.z.reshape(-1, 3)
     for i in range(3):
         shares, _ = np.histogram(z[:, i], bins=4, range=(0, 1))
-        expected, sigma = len(z) / 4, np.sqrt(drawn.effective[i] * 3 / 16) * len(z) / drawn.effective[i]
+        expected, sigma = len(z) / 4, np.sqrt(sample.effective[i] * 3 / 16) * len(z) / sample.effective[i]
         assert (np.abs(shares - expected) < 4 * sigma).all()
 
 
+@pytest.mark.slow
 def test_the_key_decides():
     again, other = draw(SLOPES, variance=0.8), draw(SLOPES, variance=0.8, seed=1)
     np.testing.assert_array_equal(again.z, draw(SLOPES, variance=0.8).z)
@@ -62,32 +63,32 @@ def test_too_few_draws_are_refused():
         posterior(lambda z: z, CENTRE, key=jax.random.key(0), chains=1, draws=600)
 
 
-def test_arviz_reads_the_file(tmp_path, drawn):
+def test_the_file_has_the_layout_that_arviz_reads(tmp_path, sample):
     path = tmp_path / "posterior.nc"
     names = ("theta2", "tau1", "k")
-    statistics = {name: getattr(drawn, name) for name in ("energy", "diverging", "acceptance_rate", "tree_depth")}
-    draws = {name: 10 * drawn.z[..., i] for i, name in enumerate(names)}
+    statistics = {name: getattr(sample, name) for name in ("energy", "diverging", "acceptance_rate", "tree_depth")}
+    draws = {name: 10 * sample.z[..., i] for i, name in enumerate(names)}
     write_posterior(path, draws, {"tau1": "ms"}, statistics)
-    assert [it.name for it in tmp_path.iterdir()] == ["posterior.nc"]
-    xarray = pytest.importorskip("xarray")
+    assert [path.name for path in tmp_path.iterdir()] == ["posterior.nc"]
     read = xarray.open_dataset(path, group="posterior", engine="h5netcdf")
     assert (read["tau1"].dims, read["tau1"].attrs["units"]) == (("chain", "draw"), "ms")
     read.close()
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::FutureWarning")  # of importing arviz
-def test_arviz_summarises_the_file(tmp_path, drawn):
+def test_arviz_summarises_the_file(tmp_path, sample):
     arviz = pytest.importorskip("arviz")
     write_posterior(
         tmp_path / "posterior.nc",
-        {"theta2": drawn.z[..., 0], "k": drawn.z[..., 2]},
+        {"theta2": sample.z[..., 0], "k": sample.z[..., 2]},
         {"theta2": "grey level"},
-        {"energy": drawn.energy, "diverging": drawn.diverging},
+        {"energy": sample.energy, "diverging": sample.diverging},
     )
     data = arviz.from_netcdf(tmp_path / "posterior.nc")
-    np.testing.assert_array_equal(data.posterior["k"], drawn.z[..., 2])
+    np.testing.assert_array_equal(data.posterior["k"], sample.z[..., 2])
     assert data.sample_stats["diverging"].dtype == bool
     summary = arviz.summary(data)
-    np.testing.assert_allclose(summary.loc["theta2", "mean"], drawn.z[..., 0].mean(), atol=1e-3)
-    np.testing.assert_allclose(summary.loc["theta2", "r_hat"], drawn.r_hat[0], atol=0.01)
+    np.testing.assert_allclose(summary.loc["theta2", "mean"], sample.z[..., 0].mean(), atol=1e-3)
+    np.testing.assert_allclose(summary.loc["theta2", "r_hat"], sample.r_hat[0], atol=0.01)
     assert (arviz.bfmi(data) > 0.3).all()

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from lgmd2jax.fitting._uncertainty.profile import profile
+from lgmd2jax.fitting._uncertainty.covariance import uncertainty
+from lgmd2jax.fitting._uncertainty.profile import profile, rise_limit
 
 TIME = np.linspace(0, 2, 12)
 NOISE = 0.15
@@ -30,14 +31,14 @@ def residuals(z):
 def minimum():
     value = jax.jit(lambda z: jnp.sum(residuals(z) ** 2))
     new: Any = iminuit.Minuit
-    found = new(lambda z: float(value(z)), np.array([0.2, 0.25, 0.1]), grad=jax.jit(jax.grad(value)))
-    found.errordef = iminuit.Minuit.LEAST_SQUARES
-    found.limits = [(0, 1)] * 3
-    found.strategy, found.tol = 2, 1e-6
-    found.migrad()
-    found.minos(cl=0.95)
-    assert found.valid
-    return found
+    minuit = new(lambda z: float(value(z)), np.array([0.2, 0.25, 0.1]), grad=jax.jit(jax.grad(value)))
+    minuit.errordef = iminuit.Minuit.LEAST_SQUARES
+    minuit.limits = [(0, 1)] * 3
+    minuit.strategy, minuit.tol = 2, 1e-6
+    minuit.migrad()
+    minuit.minos(cl=0.95)
+    assert minuit.valid
+    return minuit
 
 
 @pytest.mark.parametrize("index", range(3))
@@ -86,6 +87,25 @@ def test_an_end_beyond_the_box_is_open():
     near = profile(flat, np.array([0.3, 0.5]), 0, variance=1.0, limit=LIMIT, step=0.1)
     assert near.is_open == (True, False)
     np.testing.assert_allclose(near.interval, np.array([0, 0.3 + np.sqrt(LIMIT / 17)]), rtol=1e-3)
+
+
+@pytest.mark.parametrize(("absolute", "law"), [(True, stats.norm), (False, stats.t(5))])
+def test_of_linear_curves_the_interval_is_that_of_the_covariance(absolute, law):
+    """Errors of scale unknown leave 5 degrees of freedom here, with which the interval is wider by a third."""
+    chance = np.random.default_rng(3)
+    jacobian = 40 * chance.normal(size=(7, 2))
+    noise = chance.normal(size=7)
+    noise -= jacobian @ np.linalg.lstsq(jacobian, noise)[0]
+    z = np.array([0.4, 0.6])
+    u = uncertainty(("a", "b"), z, lambda z: z, np.ones(2), jacobian, noise, n_effective=7, absolute=absolute)
+    error = np.sqrt(np.linalg.inv(jacobian.T @ jacobian)[0, 0] * (1 if absolute else noise @ noise / 5))
+    for confidence in (0.95, 0.68):
+        limit = rise_limit(u, confidence)
+        ours = profile(
+            lambda point: jnp.asarray(jacobian) @ (point - z) + noise, z, 0, variance=u.variance, limit=limit, step=0.05
+        )
+        reach = law.ppf(0.5 + confidence / 2) * error
+        np.testing.assert_allclose(ours.interval, [0.4 - reach, 0.4 + reach], atol=2e-3 * reach)
 
 
 def test_compiles_once_for_all_parameters(minimum):

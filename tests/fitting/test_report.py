@@ -10,12 +10,18 @@ from hypothesis import given, strategies as st
 import lgmd2jax as lgmd
 from lgmd2jax._reports.digits import measured, rounded
 from lgmd2jax._reports.section import WIDTH, Section, as_html, as_text
-from lgmd2jax.fitting import Free, Linear, Tie
-from lgmd2jax.fitting._report import Extra, html, text
-from lgmd2jax.fitting._uncertainty.profile import Profile
-from tests.fitting.fits import curve, made, run
+from lgmd2jax.fitting import Fit, Free, Linear, Profile, Supplement, Tie
+from tests.fitting.fits import curve, fit_with, run
 
 THREE = Free(theta2=None, tau1=None, T_sp=None)
+
+
+def text(fit: Fit, supplement: Supplement | None = None) -> str:
+    return as_text(fit.sections(supplement))
+
+
+def html(fit: Fit) -> str:
+    return as_html(fit.sections())
 
 
 def section(report: str, title: str) -> list[str]:
@@ -25,8 +31,8 @@ def section(report: str, title: str) -> list[str]:
 
 
 def row(report: str, title: str, name: str) -> str:
-    (found,) = [line for line in section(report, title) if line.split()[:1] == [name]]
-    return found
+    (line,) = [line for line in section(report, title) if line.split()[:1] == [name]]
+    return line
 
 
 class Reader(HTMLParser):
@@ -102,13 +108,13 @@ def parts(fit) -> list[str]:
 
 def test_a_good_fit_says_so():
     good = ["valid", "converged", "none at a bound", "all determined", "soft and hard agree"]
-    assert parts(made(THREE, [curve()])) == good
+    assert parts(fit_with(THREE, [curve()])) == good
 
 
 def test_the_status_says_what_is_wrong():
     apart = curve(hard=curve().soft + 0.1)
     jacobian = np.random.default_rng(0).normal(size=(50, 3)) * [1, 0, 1]
-    fit = made(THREE, [curve(), apart], z=[0.5, 0.5, 1.0], jacobian=jacobian, result="stopped by hand")
+    fit = fit_with(THREE, [curve(), apart], z=[0.5, 0.5, 1.0], jacobian=jacobian, result="stopped by hand")
     assert parts(fit) == [
         "NOT VALID",
         "stopped by hand",
@@ -119,7 +125,7 @@ def test_the_status_says_what_is_wrong():
 
 
 def test_without_standard_errors_a_fit_is_not_valid_and_says_why():
-    fit = made(THREE, [curve()], jacobian=np.eye(3))
+    fit = fit_with(THREE, [curve()], jacobian=np.eye(3))
     assert fit.uncertainty.reason
     assert "NOT VALID" in parts(fit)
     assert f"no standard errors: {fit.uncertainty.reason}" in parts(fit)
@@ -132,23 +138,23 @@ def test_without_standard_errors_a_fit_is_not_valid_and_says_why():
 
 
 def test_every_free_parameter_stands_with_value_error_interval_unit_start_and_bounds():
-    fit = made(THREE, [curve()])
-    for i, it in enumerate(fit.free.freedoms):
-        line = row(text(fit), "Free parameters", it.name)
-        (found,) = re.finditer(r"(\S+) \+- (\S+)\s+(\S+) \.\. (\S+)", line)
-        value, error, low, high = found.groups()
+    fit = fit_with(THREE, [curve()])
+    for i, freedom in enumerate(fit.free.freedoms):
+        line = row(text(fit), "Free parameters", freedom.name)
+        (match,) = re.finditer(r"(\S+) \+- (\S+)\s+(\S+) \.\. (\S+)", line)
+        value, error, low, high = match.groups()
         its_error = fit.uncertainty.standard_errors[i]
-        assert float(value) == pytest.approx(fit.values[it.name], abs=0.06 * its_error)
+        assert float(value) == pytest.approx(fit.values[freedom.name], abs=0.06 * its_error)
         assert float(error) == pytest.approx(its_error, rel=0.06)
         np.testing.assert_allclose([float(low), float(high)], fit.uncertainty.intervals[i], atol=0.06 * its_error)
-        assert f"{fit.start[it.name]:.4g}" in line
-        assert f"{it.low:g} .. {it.high:g}" in line
+        assert f"{fit.start[freedom.name]:.4g}" in line
+        assert f"{freedom.low:g} .. {freedom.high:g}" in line
     assert " ms " in row(text(fit), "Free parameters", "tau1")
 
 
 def test_a_parameter_without_influence_is_undetermined_and_not_exact():
     jacobian = np.random.default_rng(0).normal(size=(50, 3)) * [1, 0, 1]
-    report = text(made(THREE, [curve()], jacobian=jacobian))
+    report = text(fit_with(THREE, [curve()], jacobian=jacobian))
     line = row(report, "Free parameters", "tau1")
     assert "undetermined" in line
     assert "+-" not in line
@@ -157,7 +163,7 @@ def test_a_parameter_without_influence_is_undetermined_and_not_exact():
 
 @pytest.mark.parametrize(("z", "flag"), [(0.0, "at lower bound"), (0.5, None), (1.0, "at upper bound")])
 def test_what_lies_on_a_bound_is_flagged(z, flag):
-    lines = section(text(made(THREE, [curve()], z=[z, 0.5, 0.5])), "Free parameters")
+    lines = section(text(fit_with(THREE, [curve()], z=[z, 0.5, 0.5])), "Free parameters")
     assert [line for line in lines if "bound" in line][1:] == [
         line for line in lines if line.startswith("  theta2") and flag
     ]
@@ -165,17 +171,17 @@ def test_what_lies_on_a_bound_is_flagged(z, flag):
 
 
 def test_priors_and_ties_are_told():
-    fit = made(Free(theta2=Linear(1, 6, prior=(3, 0.5)), theta1=Tie("theta2", 0.5)), [curve()])
+    fit = fit_with(Free(theta2=Linear(1, 6, prior=(3, 0.5)), theta1=Tie("theta2", 0.5)), [curve()])
     assert row(text(fit), "Free parameters", "theta2").endswith("prior 3 +- 0.5")
     assert row(text(fit), "Tied", "theta1").split()[1:] == ["1.75", "tied:", "theta1", "=", "0.5", "theta2"]
 
 
 def test_the_observation_is_told_where_there_is_a_rate():
     free = Free(theta2=None, gain=(50, 150))
-    report = text(made(free, [curve(channel="rate")], observation=lgmd.Observation(baseline=4.6)))
+    report = text(fit_with(free, [curve(channel="rate")], observation=lgmd.Observation(baseline=4.6)))
     assert row(report, "Tied", "baseline").split()[1:] == ["4.6", "spikes/s", "fixed"]
     assert {line.split()[0] for line in section(report, "Tied")[2:]} == {"baseline", "latency", "smoothing"}
-    assert "baseline" not in text(made(THREE, [curve()]))
+    assert "baseline" not in text(fit_with(THREE, [curve()]))
 
 
 # Curves, statistics, search
@@ -183,26 +189,28 @@ def test_the_observation_is_told_where_there_is_a_rate():
 
 def test_curves_have_their_channel_r2_rmse_and_gap():
     weight = np.where(np.arange(30) < 10, 0.0, 1.0)
-    it = curve(channel="rate", weight=weight, hard=curve().target + 0.1)
-    counted = it.target[10:]
-    line = row(text(made(THREE, [it])), "Curves", "loom").split()
+    shown = curve(channel="rate", weight=weight, hard=curve().target + 0.1)
+    counted = shown.target[10:]
+    line = row(text(fit_with(THREE, [shown])), "Curves", "loom").split()
     assert line[1] == "rate"
-    assert float(line[2]) == pytest.approx(1 - np.mean((it.soft - it.target)[10:] ** 2) / np.var(counted), abs=6e-4)
+    assert float(line[2]) == pytest.approx(
+        1 - np.mean((shown.soft - shown.target)[10:] ** 2) / np.var(counted), abs=6e-4
+    )
     assert float(line[3]) == pytest.approx(1 - 0.01 / np.var(counted), abs=6e-4)
     assert float(line[5]) == pytest.approx(0.1)
     assert line[6] == "spikes/s"
-    gap = np.sqrt(np.mean((it.soft - it.hard)[10:] ** 2)) / np.ptp(counted)
+    gap = np.sqrt(np.mean((shown.soft - shown.hard)[10:] ** 2)) / np.ptp(counted)
     assert float(line[7].rstrip("%")) == pytest.approx(100 * gap, abs=0.06)
 
 
 def test_a_flat_target_has_no_r2():
     flat = curve(target=np.full(30, 0.5))
-    assert row(text(made(THREE, [flat])), "Curves", "loom").split()[2:4] == ["flat", "flat"]
+    assert row(text(fit_with(THREE, [flat])), "Curves", "loom").split()[2:4] == ["flat", "flat"]
 
 
 def test_statistics_count_what_has_weight_and_independent_samples():
     weight = np.where(np.arange(30) < 10, 0.0, 2.0)
-    fit = made(THREE, [curve(), curve("recede", weight=weight)])
+    fit = fit_with(THREE, [curve(), curve("recede", weight=weight)])
     lines = "\n".join(section(text(fit), "Goodness"))
     u = fit.uncertainty
     for name, value in {
@@ -214,19 +222,25 @@ def test_statistics_count_what_has_weight_and_independent_samples():
         "AIC": u.aic,
         "BIC": u.bic,
     }.items():
-        (found,) = re.finditer(rf"(?<!reduced ){name} +(\S+)", lines)
-        assert float(found.group(1)) == pytest.approx(value, rel=1e-3), name
+        (match,) = re.finditer(rf"(?<!reduced ){name} +(\S+)", lines)
+        assert float(match.group(1)) == pytest.approx(value, rel=1e-3), name
 
 
 def test_the_search_is_counted():
     runs = [run(1.0, free=3), run(1.001, free=3), run(5.0, free=3)]
     report = " ".join(
         "\n".join(
-            section(text(made(THREE, [curve()], runs=runs, screened=np.arange(1.0, 65.0).tolist())), "Search")
+            section(text(fit_with(THREE, [curve()], runs=runs, screened=np.arange(1.0, 65.0).tolist())), "Search")
         ).split()
     )
     assert "64 starts screened, 3 descended; the best was found 2 of 3 times." in report
     assert "15 steps of the solver, at temperatures 0.5, 0.2." in report
+
+
+def test_the_count_of_the_best_has_an_old_name():
+    fit = fit_with(THREE, [curve()], runs=[run(1.0, free=3), run(1.001, free=3), run(5.0, free=3)])
+    with pytest.warns(DeprecationWarning, match=r"Fit.found is now Fit.best_count"):
+        assert fit.found == fit.best_count == 2
 
 
 def test_correlations_are_those_above_one_half_largest_first():
@@ -234,10 +248,10 @@ def test_correlations_are_those_above_one_half_largest_first():
     jacobian = np.random.default_rng(0).normal(size=(50, 6))
     for i, mixed in enumerate((2.0, 1.0, 0.8)):  # three pairs that trade off
         jacobian[:, 2 * i] += mixed * jacobian[:, 2 * i + 1]
-    fit = made(free, [curve()], jacobian=jacobian)
+    fit = fit_with(free, [curve()], jacobian=jacobian)
     matrix = np.abs(fit.uncertainty.correlation[np.triu_indices(6, 1)])
     rows = [line.split() for line in section(text(fit), "Correlations")[2:]]
-    shown = [float(value) for *_, value in (it for it in rows if it[0] != "-")]
+    shown = [float(value) for *_, value in (cells for cells in rows if cells[0] != "-")]
     expected = np.sort(matrix[matrix > 0.5])[::-1]
     assert len(expected) >= 3
     np.testing.assert_allclose(np.abs(shown), expected[:10], atol=6e-4)
@@ -247,7 +261,7 @@ def test_correlations_are_those_above_one_half_largest_first():
 
 def test_at_most_ten_correlations_are_shown_and_the_rest_is_counted():
     names = ["theta2", "tau1", "T_sp", "k", "tau3", "w_bias", "tau2"]
-    fit = made(Free(**dict.fromkeys(names)), [curve()])
+    fit = fit_with(Free(**dict.fromkeys(names)), [curve()])
     fit.uncertainty.correlation[:] = 0.9
     lines = section(text(fit), "Correlations")
     assert len(lines) == 2 + 10 + 1
@@ -255,7 +269,7 @@ def test_at_most_ten_correlations_are_shown_and_the_rest_is_counted():
 
 
 def test_uncorrelated_parameters_have_no_such_section():
-    fit = made(THREE, [curve()], jacobian=np.eye(40, 3) * 5)
+    fit = fit_with(THREE, [curve()], jacobian=np.eye(40, 3) * 5)
     assert "Correlations" not in text(fit)
 
 
@@ -263,14 +277,14 @@ def test_uncorrelated_parameters_have_no_such_section():
 
 
 def test_profiles_predictions_and_truth_are_told_where_they_are_given():
-    fit = made(THREE, [curve()])
+    fit = fit_with(THREE, [curve()])
     points = np.array([1.0, 2.0])
-    extra = Extra(
+    supplement = Supplement(
         profiles={"theta2": Profile(points, points, (2.8123, 6.0), (False, True), 3.84)},
         left_out={"loom": 0.9123, "flat": np.nan},
         truth={"theta2": 3.0},
     )
-    report = text(fit, extra)
+    report = text(fit, supplement)
     assert row(report, "Profile", "theta2").split()[1:4] == ["2.81", "..", "open"]
     assert "Open:" in report
     assert row(report, "Each condition", "loom").split() == ["loom", "0.912"]
@@ -283,7 +297,7 @@ def test_profiles_predictions_and_truth_are_told_where_they_are_given():
 
 
 def test_remarks_stand_at_the_end_a_point_each():
-    fit = made(THREE, [curve(hard=curve().soft + 0.1)])
+    fit = fit_with(THREE, [curve(hard=curve().soft + 0.1)])
     lines = section(text(fit), "Remarks")
     assert " ".join(line.strip() for line in lines) == " ".join(f"- {sentence}" for sentence in fit.remarks())
     assert text(fit).endswith(lines[-1])
@@ -295,7 +309,7 @@ def test_remarks_stand_at_the_end_a_point_each():
 @pytest.mark.parametrize("name", ["approach " * 20, "a" * 150, "loom"])
 def test_no_line_is_too_wide_and_no_word_is_lost(name):
     everything = Free(**dict.fromkeys(lgmd.symbols()))
-    fit = made(everything, [curve(name.strip()), curve(name.strip(), "spikes")], z=[1.0] * len(everything))
+    fit = fit_with(everything, [curve(name.strip()), curve(name.strip(), "spikes")], z=[1.0] * len(everything))
     report = text(fit)
     assert max(map(len, report.splitlines())) <= WIDTH
     assert report.replace(" ", "").count("a") >= 2 * name.count("a")
@@ -311,7 +325,7 @@ def test_cells_that_do_not_fit_are_wrapped():
 
 
 def test_html_says_what_the_text_says():
-    fit = made(Free(theta2=None, gain=None, theta1=Tie("theta2")), [curve(channel="rate"), curve("recede")])
+    fit = fit_with(Free(theta2=None, gain=None, theta1=Tie("theta2")), [curve(channel="rate"), curve("recede")])
     page = Reader(html(fit))
     plain = [word for word in text(fit).split() if word != "-" and set(word) != {"-"}]
     typeset = {"+-": "±", "..": "…", "R2": "R²", "chi2": "χ²"}
@@ -321,7 +335,7 @@ def test_html_says_what_the_text_says():
 
 
 def test_html_escapes_names_and_brings_no_colour():
-    page = html(made(THREE, [curve("<script>alert(1)</script> & co")]))
+    page = html(fit_with(THREE, [curve("<script>alert(1)</script> & co")]))
     assert "<script>" not in page
     assert "&lt;script&gt;alert(1)&lt;/script&gt; &amp; co" in page
     assert not re.search(r"#[0-9a-f]{3,6}\b|background|rgb|color:", page)
@@ -329,7 +343,7 @@ def test_html_escapes_names_and_brings_no_colour():
 
 
 def test_a_fit_shows_itself():
-    fit = made(THREE, [curve()])
+    fit = fit_with(THREE, [curve()])
     assert repr(fit) == fit.summary() == text(fit)
     assert fit._repr_html_() == html(fit)
-    assert fit.summary(Extra(left_out={"loom": 0.5})) == text(fit, Extra(left_out={"loom": 0.5}))
+    assert fit.summary(Supplement(left_out={"loom": 0.5})) == text(fit, Supplement(left_out={"loom": 0.5}))

@@ -15,9 +15,9 @@ def shown():
 
 
 def soft_twin(seed, shown, **settings):
-    it = twin(seed, lgmd.Soft(1.0), shown, **settings)
-    assert it.off <= 0.01, f"{it.truth} came back as {it.fit.values}"
-    assert it.fit.result == "converged"
+    result = twin(seed, lgmd.Soft(1.0), shown, **settings)
+    assert result.off <= 0.01, f"{result.truth} came back as {result.fit.values}"
+    assert result.fit.result == "converged"
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -33,15 +33,15 @@ def test_twenty_soft_twins_come_back(shown, seed):
 
 @pytest.mark.parametrize("seed", [2, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (0, 1))])
 def test_hard_twins_answer_alike(shown, seed):
-    it = twin(seed, lgmd.Hard(), shown, **QUICK)
-    assert it.rmse <= 0.01
-    assert it.miscounted <= 0.02
+    result = twin(seed, lgmd.Hard(), shown, **QUICK)
+    assert result.rmse <= 0.01
+    assert result.miscounted <= 0.02
 
 
 @pytest.mark.slow
 def test_hard_twins_answer_alike_on_18_of_20_sets(shown):
     twins = [twin(seed, lgmd.Hard(), shown) for seed in range(20)]
-    assert sum(it.rmse <= 0.01 and it.miscounted <= 0.02 for it in twins) >= 18
+    assert sum(result.rmse <= 0.01 and result.miscounted <= 0.02 for result in twins) >= 18
 
 
 @pytest.mark.slow

@@ -22,7 +22,7 @@ def decay(values):
     return a * jnp.exp(-b * TIME) + c
 
 
-def fitted(error=1.0):
+def lmfit_of(error=1.0):
     """The fit of lmfit to noisy data, and residuals and Jacobian at its best values."""
     data = np.asarray(decay([2, 1.3, 0.5])) + NOISE * np.random.default_rng(0).normal(size=60)
 
@@ -58,7 +58,7 @@ def in_box(values, jacobian, residuals, names=NAMES, n_effective=None, absolute=
 
 @pytest.mark.parametrize("error", [1.0, NOISE])
 def test_covariance_and_criteria_of_lmfit(error):
-    theirs, values, jacobian, residuals = fitted(error)
+    theirs, values, jacobian, residuals = lmfit_of(error)
     ours = in_box(values, jacobian, residuals, absolute=error != 1.0)
     np.testing.assert_allclose(ours.covariance, theirs.covar, rtol=1e-4)
     np.testing.assert_allclose(ours.standard_errors, [p.stderr for p in theirs.params.values()], rtol=1e-4)
@@ -74,7 +74,7 @@ def test_covariance_and_criteria_of_lmfit(error):
 
 
 def test_samples_that_repeat_each_other_count_once():
-    _, values, jacobian, residuals = fitted()
+    _, values, jacobian, residuals = lmfit_of()
     once = in_box(values, jacobian, residuals)
     thrice = in_box(
         values, np.repeat(jacobian, 3, 0) / np.sqrt(3), np.repeat(residuals, 3) / np.sqrt(3), n_effective=60
@@ -97,7 +97,7 @@ def test_intervals_cover_the_truth_as_often_as_they_say(absolute):
 
 
 def test_a_prior_is_data_with_an_error_of_its_own():
-    _, values, jacobian, residuals = fitted()
+    _, values, jacobian, residuals = lmfit_of()
     ours = in_box(values, np.vstack([jacobian, [[0, 1 / 0.01, 0]]]), np.append(residuals, 0.0), priors=1)
     variance = np.sum(residuals**2) / (60 - 2)
     expected = np.linalg.inv(jacobian.T @ jacobian / variance + np.diag([0, 1 / 0.01**2, 0]))
@@ -107,7 +107,7 @@ def test_a_prior_is_data_with_an_error_of_its_own():
 
 
 def test_a_parameter_without_influence_is_not_determined():
-    _, values, jacobian, residuals = fitted()
+    _, values, jacobian, residuals = lmfit_of()
     three = in_box(values, jacobian, residuals)
     ours = in_box(np.append(values, 0.7), np.hstack([jacobian, np.zeros((60, 1))]), residuals, (*NAMES, "idle"))
     assert ours.determined.tolist() == [True, True, True, False]
@@ -122,7 +122,7 @@ def test_a_parameter_without_influence_is_not_determined():
 
 
 def test_parameters_that_replace_each_other_are_not_determined():
-    _, values, jacobian, residuals = fitted()
+    _, values, jacobian, residuals = lmfit_of()
     values, jacobian = np.append(values, 4.0), np.hstack([jacobian, jacobian[:, :1] * values[0] / 4])
     ours = in_box(values, jacobian, residuals, (*NAMES, "d"))  # only a d matters
     assert ours.determined.tolist() == [False, True, True, False]
@@ -132,14 +132,14 @@ def test_parameters_that_replace_each_other_are_not_determined():
 
 
 def test_an_error_wider_than_the_bounds_is_no_determination():
-    _, values, jacobian, residuals = fitted()
+    _, values, jacobian, residuals = lmfit_of()
     ours = in_box(values, jacobian * [1, 1, 1e-3], residuals)
     assert ours.determined.tolist() == [True, True, False]
     np.testing.assert_allclose(ours.intervals[2], [0, SIZE])
 
 
 def test_a_parameter_on_a_bound_is_held_for_the_others():
-    _, values, jacobian, residuals = fitted()
+    _, values, jacobian, residuals = lmfit_of()
     values = values * [1, 0, 1]
     ours, both = in_box(values, jacobian, residuals), in_box(values[[0, 2]], jacobian[:, [0, 2]], residuals, ("a", "c"))
     assert ours.on_bound.tolist() == [0, -1, 0]
@@ -153,23 +153,23 @@ def test_a_parameter_on_a_bound_is_held_for_the_others():
 
 
 def test_on_a_logarithmic_scale_intervals_are_factors():
-    _, values, jacobian, residuals = fitted()
+    _, values, jacobian, residuals = lmfit_of()
     low, high = 0.01, 100.0
     slopes = values * np.log(high / low)
 
-    def made(jacobian):
+    def with_slopes(jacobian):
         place = np.log(values / low) / np.log(high / low)
         given = place, lambda z: low * (high / low) ** z, slopes, jacobian * slopes, residuals
         return uncertainty(NAMES, *given, n_effective=60, absolute=True)
 
-    ours = made(jacobian)
+    ours = with_slopes(jacobian)
     np.testing.assert_allclose(ours.values, values)
     np.testing.assert_allclose(ours.intervals[:, 0] * ours.intervals[:, 1], values**2)
-    np.testing.assert_allclose(made(jacobian * 0).intervals, [[low, high]] * 3)
+    np.testing.assert_allclose(with_slopes(jacobian * 0).intervals, [[low, high]] * 3)
 
 
 def test_says_why_there_are_no_errors():
-    _, values, jacobian, residuals = fitted()
+    _, values, jacobian, residuals = lmfit_of()
     few = in_box(values, jacobian[:3], residuals[:3])
     assert few.reason == "there are no more independent samples than free parameters"
     broken = in_box(values, jacobian * np.nan, residuals)

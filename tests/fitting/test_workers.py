@@ -9,8 +9,8 @@ from distributed import Client, LocalCluster
 
 import lgmd2jax as lgmd
 from lgmd2jax._compute.tasks import Work
-from lgmd2jax.alarms import Rendered, rendered
-from tests.alarms.test_fit import EYE, FREE, SETTINGS, START, labelled
+from lgmd2jax.alarms import Rendering
+from tests.alarms.test_fit import EYE, FREE, SETTINGS, START, twins_of
 
 
 @pytest.fixture(scope="module")
@@ -36,12 +36,44 @@ class Squares:
 def test_tasks_come_back_by_number_in_double_precision_and_are_remembered(client):
     task, memory = Squares(np.arange(9.0)), {"squares 3": {"loss": -1.0}}
     with Work(memory, False, client) as work:
-        found = work.do("squares", task, [5, 3, 8, 0], first=lambda: pytest.fail("nothing is compiled here"))
-    assert list(found) == [5, 3, 8, 0]
-    assert [it["loss"] for it in found.values()] == [25, -1, 64, 0]
-    assert all(found[number]["wide"] for number in (5, 8, 0))
+        results = work.do("squares", task, [5, 3, 8, 0], first=lambda: pytest.fail("nothing is compiled here"))
+    assert list(results) == [5, 3, 8, 0]
+    assert [result["loss"] for result in results.values()] == [25, -1, 64, 0]
+    assert all(results[number]["wide"] for number in (5, 8, 0))
     assert set(memory) == {"squares 5", "squares 3", "squares 8", "squares 0"}
     assert work.best == 0
+
+
+def pressed_at(number):
+    """A memory during whose writing of a task Ctrl-C is pressed."""
+
+    class Pressed(dict):
+        def __setitem__(self, key, value):
+            super().__setitem__(key, value)
+            if key == f"squares {number}":
+                raise KeyboardInterrupt
+
+    return Pressed()
+
+
+def test_after_ctrl_c_the_finished_tasks_are_returned_and_no_other_is_begun():
+    memory = pressed_at(0)
+    with Work(memory, False) as work:
+        results = work.do("squares", Squares(np.arange(200.0)), range(200))
+        assert work.stop.is_set()
+        assert 0 in results
+        assert len(results) < 200
+        assert work.do("more", Squares(np.arange(9.0)), range(9), first=lambda: pytest.fail("nothing is begun")) == {}
+
+
+def test_ctrl_c_before_any_task_is_finished_goes_on():
+    def pressed():
+        raise KeyboardInterrupt
+
+    with Work({}, False) as work, pytest.raises(KeyboardInterrupt):
+        work.do("squares", Squares(np.arange(9.0)), range(9), first=pressed)
+    with Work({"squares 3": {"loss": 9.0}}, False) as work:
+        assert work.do("squares", Squares(np.arange(9.0)), range(9), first=pressed) == {3: {"loss": 9.0}}
 
 
 def test_what_a_task_raises_is_raised_here(client):
@@ -58,7 +90,7 @@ def test_what_is_no_client_is_refused():
 
 @pytest.mark.slow
 def test_fits_on_two_processes_are_those_of_threads():
-    clips = labelled(tuple(rendered(EYE, Rendered(8, seed=5))))
+    clips = twins_of(tuple(Rendering(8, seed=5).clips(EYE)))
     conditions = lgmd.load_protocol("twin").conditions[:2]
     free = lgmd.Free(k=lgmd.Log(0.1, 2), tau3=lgmd.Log(100, 1000))
     settings = {"key": jax.random.key(1), "pixel_points": 2, "cell_points": 64, "descend": 2}

@@ -10,8 +10,9 @@ import optimistix as optx
 import pytest
 
 import lgmd2jax as lgmd
-from lgmd2jax._network import medulla as _medulla, pixels as _pixels, sensitivity as _sensitivity
 from lgmd2jax._network.maps import bordered
+from lgmd2jax._network.medulla import lateral
+from lgmd2jax._types import cast
 from tests import clips
 
 PARAMETERS = lgmd.Parameters(theta1=0.4, theta2=1.3, theta3=0.02, T_s=15.0, T_ffi=46.0, k=60.0, u=0.7, sigma1=0.2)
@@ -23,12 +24,14 @@ THRESHOLDS = [lgmd.Soft(0.5), lgmd.StraightThrough(0.5)]
 
 
 def exact(model, frames=FRAMES, interval=INTERVAL):
-    return _sensitivity.potentials(model, frames, interval)[:2]
+    return model.sums(frames, interval)[0]
 
 
 def plain(model, frames=FRAMES, interval=INTERVAL):
     """The same numbers with the rule switched off."""
-    return _pixels.scan_pixels(model, frames, interval, None)[:2]
+    parameters = cast(model.pixels.parameters, frames.dtype)
+    pixels = eqx.tree_at(lambda stage: stage.parameters, model.pixels, parameters)
+    return pixels.plain(frames, interval)[0]
 
 
 def of_parameters(potentials, thresholds=THRESHOLDS[0], **structure):
@@ -244,7 +247,7 @@ def test_memory_does_not_grow_with_the_frames():
 
 
 def spread(x):
-    return _medulla.lateral(bordered(x))
+    return lateral(bordered(x))
 
 
 def test_the_lateral_spread_is_its_own_adjoint():

@@ -115,7 +115,7 @@ def test_commands_take_it_by_name(tmp_path, monkeypatch, capsys):
 
     def answer(model, **_):
         asked.append(model)
-        raise ValueError("seen")
+        raise OSError("seen")
 
     monkeypatch.setattr(command, "characterise", answer)
     assert main(["characterise", "preset:yue_rind"]) == 1

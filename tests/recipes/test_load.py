@@ -8,7 +8,7 @@ import pytest
 
 import lgmd2jax as lgmd
 from lgmd2jax.cli import main
-from lgmd2jax.fitting._conditions import rendered
+from lgmd2jax.fitting._conditions import render
 
 EYE = lgmd.Eye(rows=6, cols=8, degrees_per_pixel=10.0, fps=50.0)
 PROTOCOL = """
@@ -103,9 +103,9 @@ class Counted:
 def test_targets_are_found_on_their_frames_once():
     stimulus = lgmd.stimuli.looming(EYE, l_over_v=20.0, contrast=-0.9, start_ms=-300.0, end_ms=60.0)
     target = Counted()
-    pairs = rendered([(stimulus, target), (stimulus, target)])
+    pairs = render([(stimulus, target), (stimulus, target)])
     assert [pair.stimulus.name for pair in pairs] == ["looming 1", "looming 2"]
-    again = rendered(pairs[1:])
+    again = render(pairs[1:])
     assert again[0].targets is pairs[1].targets
     assert target.count == 2
 
@@ -130,7 +130,7 @@ def test_targets_are_found_on_their_frames_once():
 def test_what_is_no_condition_is_refused(wrong, message, untyped):
     stimulus = lgmd.stimuli.looming(EYE, l_over_v=20.0, contrast=-0.9, start_ms=-300.0, end_ms=60.0)
     with pytest.raises(ValueError, match=message):
-        rendered(wrong(stimulus))
+        render(wrong(stimulus))
 
 
 @pytest.mark.parametrize(

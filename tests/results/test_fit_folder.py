@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import lgmd2jax as lgmd
-from tests.fitting.fits import curve, made
+from tests.fitting.fits import curve, fit_with
 
 FREE = lgmd.Free(theta2=None, tau1=None, gain=None, theta1=lgmd.Tie("theta2", 0.5))
 FILES = ["curves.csv", "diagnostics.png", "fit.json", "fit.png", "model.json", "report.html", "report.txt"]
@@ -17,14 +17,14 @@ FILES = ["curves.csv", "diagnostics.png", "fit.json", "fit.png", "model.json", "
 
 @pytest.fixture(scope="module")
 def fit():
-    observed = curve("recorded", "rate", sem=np.full(30, 2.0), seed=3)
-    return made(FREE, [curve(), curve(seed=1), observed], observation=lgmd.Observation(latency=33.0), z=[0.2, 1.0, 0.3])
+    rate = curve("recorded", "rate", sem=np.full(30, 2.0), seed=3)
+    return fit_with(FREE, [curve(), curve(seed=1), rate], observation=lgmd.Observation(latency=33.0), z=[0.2, 1.0, 0.3])
 
 
 @pytest.fixture(scope="module")
 def folder(fit, tmp_path_factory):
     path = tmp_path_factory.mktemp("results") / "fit"
-    lgmd.save_fit(fit, path, provenance={"recipe": "mine"}, made={"digest": "abc"})
+    lgmd.save_fit(fit, path, provenance={"recipe": "mine"}, notes={"digest": "abc"})
     return path
 
 
@@ -54,6 +54,16 @@ def test_what_was_written_comes_back(fit, folder):
     np.testing.assert_array_equal(again.predict(stimulus), fit.predict(stimulus))
     with pytest.raises(ValueError, match="profile needs the targets"):
         again.profile("tau1")
+
+
+def test_the_old_name_of_the_notes_still_works(fit, tmp_path):
+    with pytest.warns(DeprecationWarning, match=r"save_fit\(made=...\) is now save_fit\(notes=...\)"):
+        lgmd.save_fit(fit, tmp_path / "old", made={"digest": "abc"})
+    assert json.loads((tmp_path / "old/fit.json").read_text())["digest"] == "abc"
+
+
+def test_intervals_state_their_confidence(folder):
+    assert json.loads((folder / "fit.json").read_text())["uncertainty"]["confidence"] == 0.95
 
 
 def test_curves_are_a_table(folder):

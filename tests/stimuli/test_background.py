@@ -17,8 +17,8 @@ TIME = jnp.arange(8) * 10.0
 SMOOTH = 110 + 50 * np.sin(np.arange(160) / 12)[:, None] * np.cos(np.arange(200) / 15)[None, :]
 
 
-def seen(background, eye=EYE):
-    """Frames of a background alone."""
+def frames_of(background, eye=EYE):
+    """A background alone."""
     return np.array(film(eye, TIME, background))
 
 
@@ -37,7 +37,7 @@ def test_every_photograph_comes_with_the_wheel(name, monkeypatch):
 
 def test_photograph_is_what_scikit_image_resizes():
     photograph = stimuli.Photograph("camera")
-    frame = seen(photograph)[0]
+    frame = frames_of(photograph)[0]
     whole = np.asarray(resize(np.asarray(photograph.image), (40, 40), anti_aliasing=True))[4:36]
     assert np.corrcoef(frame.ravel(), whole.ravel())[0, 1] > 0.99
     assert frame.mean() == pytest.approx(whole.mean(), rel=0.01)
@@ -46,7 +46,7 @@ def test_photograph_is_what_scikit_image_resizes():
 def test_level_and_contrast_of_a_photograph_come_out_as_asked():
     photograph = stimuli.Photograph(SMOOTH, level=90, contrast=0.5)
     assert photograph.mean_level == pytest.approx(90)
-    own, changed = seen(stimuli.Photograph(SMOOTH))[0], seen(photograph)[0]
+    own, changed = frames_of(stimuli.Photograph(SMOOTH))[0], frames_of(photograph)[0]
     assert np.allclose(changed / 90 - 1, 0.5 * (own / SMOOTH.mean() - 1))
     stimulus = stimuli.looming(EYE, background=photograph, contrast=-0.5, stop_angle=20, start_ms=-50, end_ms=50)
     assert stimulus.frames[-1, 16, 20] == pytest.approx(45)
@@ -54,7 +54,7 @@ def test_level_and_contrast_of_a_photograph_come_out_as_asked():
 
 @pytest.mark.parametrize("direction", [0.0, 90.0, 217.0])
 def test_photograph_drifts_at_its_speed_between_pixels(direction):
-    frames = seen(stimuli.Photograph(SMOOTH, speed=33, direction=direction))
+    frames = frames_of(stimuli.Photograph(SMOOTH, speed=33, direction=direction))
     heading = np.radians(direction)
     for i in (1, 7):
         path = 33 * i / 100
@@ -64,7 +64,7 @@ def test_photograph_drifts_at_its_speed_between_pixels(direction):
 
 
 def test_photograph_goes_on_in_mirror_image_beyond_its_border():
-    frame = seen(stimuli.Photograph(SMOOTH, width=20.0))[0]
+    frame = frames_of(stimuli.Photograph(SMOOTH, width=20.0))[0]
     assert np.allclose(frame[:, :10], frame[:, 19:9:-1], atol=1e-6)
     assert np.allclose(frame[:8], frame[15:7:-1], atol=1e-6)
 
@@ -90,8 +90,8 @@ def test_panorama_through_a_pinhole_is_the_globe_at_the_pixels_angles():
     azimuth, elevation = PINHOLE.angles()
     across, up = azimuth / 50 * 200 + 99.5, 79.5 - elevation / 50 * 200
     expected = warp(SMOOTH, np.array([up, across]), order=1, mode="edge")
-    assert np.max(np.abs(seen(scene, PINHOLE)[0] - expected)) < 1.5
-    assert np.max(np.abs(seen(scene)[0] - expected)) > 2
+    assert np.max(np.abs(frames_of(scene, PINHOLE)[0] - expected)) < 1.5
+    assert np.max(np.abs(frames_of(scene)[0] - expected)) > 2
 
 
 def test_image_is_read_from_a_file(tmp_path):

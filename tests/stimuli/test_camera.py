@@ -20,10 +20,10 @@ def stimulus():
 
 
 def test_camera_without_faults_changes_nothing(stimulus):
-    filmed = stimuli.camera(stimulus, KEY, **OFF)
-    assert np.allclose(filmed.frames, stimulus.frames)
-    assert np.array_equal(filmed.time, stimulus.time)
-    assert filmed.name == stimulus.name
+    film = stimuli.camera(stimulus, KEY, **OFF)
+    assert np.allclose(film.frames, stimulus.frames)
+    assert np.array_equal(film.time, stimulus.time)
+    assert film.name == stimulus.name
 
 
 def test_noise_has_its_strength_and_is_new_in_every_frame(stimulus):
@@ -56,11 +56,11 @@ def test_blur_is_a_gaussian(stimulus):
 
 @pytest.mark.parametrize("bits", [1, 4, 8])
 def test_bits_leave_so_many_levels(stimulus, bits):
-    filmed = np.asarray(stimuli.camera(stimulus, KEY, noise=20, bits=bits).frames)
+    film = np.asarray(stimuli.camera(stimulus, KEY, noise=20, bits=bits).frames)
     step = 255 / (2**bits - 1)
-    assert np.allclose(filmed / step, np.rint(filmed / step))
-    assert filmed.min() >= 0
-    assert filmed.max() <= 255
+    assert np.allclose(film / step, np.rint(film / step))
+    assert film.min() >= 0
+    assert film.max() <= 255
 
 
 def test_slopes_pass_the_rounding(stimulus):

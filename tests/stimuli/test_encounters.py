@@ -8,7 +8,7 @@ import pytest
 
 from lgmd2jax import Eye, stimuli
 from lgmd2jax._video.repeats import find_repeats
-from lgmd2jax.stimuli import _encounter, _scene
+from lgmd2jax.stimuli import _encounter, _shapes
 from tests.videos import conversion
 
 EYE = Eye.from_field_of_view(36, 64, 70.0, 30.0, "pinhole")
@@ -16,18 +16,18 @@ KEY = jax.random.key(3)
 
 
 @pytest.fixture(scope="module")
-def drawn():
+def clips_and_traces():
     """Clips of every kind, and how often a disc's drawing was traced for them."""
     traces = []
     with pytest.MonkeyPatch.context() as patch:
-        disc = _scene.Disc
-        patch.setattr(_scene, "Disc", lambda *args: traces.append(args) or disc(*args))
+        disc = _shapes.Disc
+        patch.setattr(_shapes, "Disc", lambda *args: traces.append(args) or disc(*args))
         return list(stimuli.encounters(EYE, KEY, 36)), len(traces)
 
 
 @pytest.fixture(scope="module")
-def clips(drawn):
-    return drawn[0]
+def clips(clips_and_traces):
+    return clips_and_traces[0]
 
 
 @pytest.fixture(scope="module")
@@ -54,9 +54,9 @@ def test_clips_are_in_8_bits_from_0_ms_on(clips):
         assert np.allclose(clip.stimulus.time, np.arange(90) / 30 * 1000)
 
 
-def test_hundreds_of_clips_compile_little(drawn):
+def test_hundreds_of_clips_compile_little(clips_and_traces):
     """Before a plain or a textured ground, on its way in depth or across, in each of four lengths of film."""
-    assert drawn[1] <= 16
+    assert clips_and_traces[1] <= 16
 
 
 def repeats(clip):
@@ -155,13 +155,21 @@ def test_every_clip_moves(clips):
 
 
 def test_the_same_key_is_the_same_clip_to_the_bit():
-    first, again, other = (stimuli.encounter(EYE, jax.random.key(seed)) for seed in (5, 5, 6))
-    named = stimuli.encounter(EYE, jax.random.key(5), kind=first.kind)
+    first, again, other = (stimuli.random_encounter(EYE, jax.random.key(seed)) for seed in (5, 5, 6))
+    named = stimuli.random_encounter(EYE, jax.random.key(5), kind=first.kind)
     for clip in (again, named):
         assert clip.kind == first.kind
         assert np.array_equal(clip.stimulus.frames, first.stimulus.frames)
         assert np.array_equal(clip.time_to_contact_ms, first.time_to_contact_ms)
     assert not np.array_equal(other.stimulus.frames, first.stimulus.frames)
+
+
+def test_the_old_name_of_a_random_encounter_still_works():
+    eye = Eye(rows=12, cols=20, degrees_per_pixel=5.0, fps=20.0)
+    with pytest.warns(DeprecationWarning, match="encounter is called random_encounter now"):
+        old = stimuli.encounter(eye, KEY, kind="clutter", duration_ms=500)
+    new = stimuli.random_encounter(eye, KEY, kind="clutter", duration_ms=500)
+    assert np.array_equal(old.stimulus.frames, new.stimulus.frames)
 
 
 def test_a_clip_is_the_same_whatever_the_count(clips):
@@ -173,12 +181,12 @@ def test_a_clip_is_the_same_whatever_the_count(clips):
 
 
 def test_half_are_collisions_where_the_kind_is_drawn(monkeypatch):
-    def blank(take):
-        return stimuli.luminance(take.eye, **take.window(take.frames - 1))
+    def blank(scenario):
+        return stimuli.luminance(scenario.eye, **scenario.window(scenario.frames - 1))
 
-    monkeypatch.setattr(_encounter, "camera", lambda seen, *_, **__: seen)
+    monkeypatch.setattr(_encounter, "camera", lambda stimulus, *_, **__: stimulus)
     monkeypatch.setattr(_encounter, "KINDS", dict.fromkeys(stimuli.ENCOUNTERS, blank))
-    kinds = collections.Counter(stimuli.encounter(EYE, jax.random.key(seed)).kind for seed in range(400))
+    kinds = collections.Counter(stimuli.random_encounter(EYE, jax.random.key(seed)).kind for seed in range(400))
     assert kinds["collision"] == pytest.approx(200, abs=40)
     assert all(kinds[kind] == pytest.approx(400 / 12, abs=20) for kind in stimuli.ENCOUNTERS if kind != "collision")
 
@@ -186,7 +194,7 @@ def test_half_are_collisions_where_the_kind_is_drawn(monkeypatch):
 @pytest.mark.parametrize("fps", [4.0, 200.0])
 def test_frame_rates_and_durations_are_kept(fps):
     eye = Eye(rows=12, cols=20, degrees_per_pixel=5.0, fps=fps)
-    clip = stimuli.encounter(eye, KEY, kind="collision", duration_ms=1000)
+    clip = stimuli.random_encounter(eye, KEY, kind="collision", duration_ms=1000)
     assert clip.stimulus.frames.shape == (fps, 12, 20)
     assert clip.stimulus.fps == fps
     assert 100 <= clip.time_to_contact_ms[-1] < 500
@@ -194,11 +202,11 @@ def test_frame_rates_and_durations_are_kept(fps):
 
 
 BAD = {
-    "kind": (lambda: stimuli.encounter(EYE, KEY, kind="colision"), "kind is 'colision'; choose 'collision' or"),
-    "duration": (lambda: stimuli.encounter(EYE, KEY, duration_ms=0), "duration_ms is 0 ms; give a positive number"),
-    "short": (lambda: stimuli.encounter(EYE, KEY, duration_ms=40), "duration_ms is 40 at 30 fps"),
-    "slow": (lambda: stimuli.encounter(Eye(9, 9, 5.0, 3.0), KEY), "fps is 3; give an eye of more than 3 fps"),
-    "pixels": (lambda: stimuli.encounter(Eye(9, 9, None, 30.0), KEY), "known in pixels alone"),
+    "kind": (lambda: stimuli.random_encounter(EYE, KEY, kind="colision"), "kind is 'colision'; choose 'collision' or"),
+    "duration": (lambda: stimuli.random_encounter(EYE, KEY, duration_ms=0), "duration_ms is 0 ms; give a positive"),
+    "short": (lambda: stimuli.random_encounter(EYE, KEY, duration_ms=40), "duration_ms is 40 at 30 fps"),
+    "slow": (lambda: stimuli.random_encounter(Eye(9, 9, 5.0, 3.0), KEY), "fps is 3; give an eye of more than 3 fps"),
+    "pixels": (lambda: stimuli.random_encounter(Eye(9, 9, None, 30.0), KEY), "known in pixels alone"),
     "count": (lambda: stimuli.encounters(EYE, KEY, 0), "count is 0; give a whole number"),
     "clips' duration": (lambda: stimuli.encounters(EYE, KEY, 2, duration_ms=-1), "duration_ms is -1"),
 }

@@ -18,19 +18,19 @@ WINDOW: dict[str, Any] = {"start_ms": -400, "end_ms": 100}
 CROSSING: dict[str, Any] = {"start_ms": -100, "end_ms": 1000}
 
 
-def covered(stimulus, background=200.0, level=20.0):
+def coverage(stimulus, background=200.0, level=20.0):
     """Share of each pixel that the object takes."""
     return (background - np.asarray(stimulus.frames)) / (background - level)
 
 
 def radius_px(stimulus):
     """Of a disc, from its area."""
-    return np.sqrt(covered(stimulus).sum((1, 2)) / np.pi)
+    return np.sqrt(coverage(stimulus).sum((1, 2)) / np.pi)
 
 
 def centroid_px(stimulus):
     """To the right of and above the centre."""
-    mass = covered(stimulus)
+    mass = coverage(stimulus)
     right, up = EYE.pixel_centres()
     total = np.maximum(mass.sum((1, 2)), 1e-12)
     return (mass * right).sum((1, 2)) / total, (mass * up).sum((1, 2)) / total
@@ -49,13 +49,13 @@ def test_disc_looms_by_its_law(eye, l_over_v):
         expected = np.tan(np.radians(full_angle / 2)) / (2 * np.tan(np.radians(eye.degrees_per_pixel / 2)))
     assert np.max(np.abs(radius_px(stimulus) - expected)) < 1e-6
     assert np.allclose(stimulus.courses["full_angle_deg"], full_angle)
-    area = covered(stimulus).sum((1, 2))
+    area = coverage(stimulus).sum((1, 2))
     assert np.max(np.abs(area / (np.pi * expected**2) - 1)) < 1e-9
 
 
 def test_square_has_the_same_angle_from_side_to_side():
     square = stimuli.looming(EYE, shape="square", **WINDOW)
-    side = np.sqrt(covered(square).sum((1, 2)))
+    side = np.sqrt(coverage(square).sum((1, 2)))
     assert np.max(np.abs(side - np.asarray(square.courses["full_angle_deg"]) / EYE.degrees_per_pixel)) < 1e-9
 
 
@@ -80,11 +80,11 @@ def test_recession_follows_the_hold_as_a_mirror_image():
     stimulus = stimuli.approach_recession(EYE, l_over_v=6, stop_angle=60, hold_ms=200, start_ms=-150, end_ms=350)
     angle, time = np.asarray(stimulus.courses["full_angle_deg"]), np.asarray(stimulus.time)
     arrival = -6 / np.tan(np.radians(30))
-    held = (time > arrival) & (time < arrival + 200)
-    assert np.allclose(angle[held], 60)
-    assert np.all(angle[~held] < 60)
+    stands = (time > arrival) & (time < arrival + 200)
+    assert np.allclose(angle[stands], 60)
+    assert np.all(angle[~stands] < 60)
     folded = 2 * np.degrees(np.arctan(6 / np.maximum(np.abs(time - arrival - 100) - 100 - arrival, 1e-9)))
-    assert np.allclose(angle[~held], np.maximum(folded[~held], 2))
+    assert np.allclose(angle[~stands], np.maximum(folded[~stands], 2))
 
 
 def test_full_angle_can_grow_linearly():
@@ -108,10 +108,10 @@ def test_edge_on_a_screen_moves_and_accelerates_as_asked():
 def test_ball_rolls_down_a_slope_as_integration_has_it():
     law = stimuli.Rolling(slope_height_cm=20, slope_length_cm=80, radius_cm=2.5)
     steps = np.linspace(0, 2, 200_001)
-    travelled = 0.5 * (5 / 7 * 981 * 20 / 80) * steps**2
-    arrival = steps[np.searchsorted(travelled, 80)]
+    position = 0.5 * (5 / 7 * 981 * 20 / 80) * steps**2
+    arrival = steps[np.searchsorted(position, 80)]
     time = jnp.asarray([-2500.0, -800.0, -300.0, -50.0])
-    expected = (80 - np.interp(arrival + np.asarray(time) / 1000, steps, travelled)) / 2.5
+    expected = (80 - np.interp(arrival + np.asarray(time) / 1000, steps, position)) / 2.5
     assert np.allclose(law(time), expected, atol=1e-2)
     final = np.sqrt(10 / 7 * 981 * 20)
     assert law(jnp.asarray([-1.0]))[0] == pytest.approx(final * 1e-3 / 2.5, rel=1e-2)
@@ -159,9 +159,9 @@ def test_translation_moves_the_centroid_at_the_asked_speed(direction):
     )
     right, up = centroid_px(stimulus)
     heading = np.radians(direction)
-    travelled = np.clip(-20 + 50 * np.asarray(stimulus.time) / 1000, -20, 20) * EYE.pixels_per_degree
-    assert np.max(np.abs(right - 2 - travelled * np.cos(heading))) < CENTROID
-    assert np.max(np.abs(up - travelled * np.sin(heading))) < CENTROID
+    position = np.clip(-20 + 50 * np.asarray(stimulus.time) / 1000, -20, 20) * EYE.pixels_per_degree
+    assert np.max(np.abs(right - 2 - position * np.cos(heading))) < CENTROID
+    assert np.max(np.abs(up - position * np.sin(heading))) < CENTROID
     moving = (np.asarray(stimulus.time) >= 0) & (np.asarray(stimulus.time) <= 800)
     speed = np.polyfit(stimulus.time[moving] / 1000, right[moving], 1)[0] * EYE.degrees_per_pixel
     assert speed == pytest.approx(50 * np.cos(heading), abs=0.02)
@@ -199,8 +199,8 @@ def test_bar_grows_and_shrinks_by_one_edge(direction):
     ways = {"width": 10, "speed": 50, "start": -20, "stop": 20, "direction": direction}
     grows, shrinks = stimuli.elongating(EYE, **ways), stimuli.shortening(EYE, **ways)
     done = np.clip(50 * np.asarray(grows.time) / 1000, 0, 40) * EYE.pixels_per_degree
-    assert np.allclose(covered(grows).sum((1, 2)), 5 * done)
-    assert np.allclose(covered(shrinks).sum((1, 2)), 5 * (20 - done))
+    assert np.allclose(coverage(grows).sum((1, 2)), 5 * done)
+    assert np.allclose(coverage(shrinks).sum((1, 2)), 5 * (20 - done))
     heading, half_way = np.radians(direction), np.searchsorted(grows.time, 400)
     right, up = (centre[half_way] for centre in centroid_px(grows))
     assert [right, up] == pytest.approx([-5 * np.cos(heading), -5 * np.sin(heading)])

@@ -73,8 +73,8 @@ def test_square_grating_is_the_mean_of_a_fine_one(direction):
     y = 16 - (np.arange(32 * fine) + 0.5) / fine
     wave, heading = 6.3 / 40, np.radians(direction)
     phase = wave * (np.cos(heading) * x[None, :] + np.sin(heading) * y[:, None]) - 4 * 0.05
-    drawn = 110 * (1 + np.where(phase % 1 < 0.5, 1.0, -1.0)).reshape(32, fine, 40, fine).mean((1, 3))
-    assert np.max(np.abs(stimulus.frames[-1] - drawn)) < 0.02 * 220
+    expected = 110 * (1 + np.where(phase % 1 < 0.5, 1.0, -1.0)).reshape(32, fine, 40, fine).mean((1, 3))
+    assert np.max(np.abs(stimulus.frames[-1] - expected)) < 0.02 * 220
 
 
 def test_grating_stands_after_its_motion():

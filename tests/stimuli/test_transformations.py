@@ -91,17 +91,17 @@ def test_a_thousand_conditions_in_one_call():
     contrast, l_over_v = (
         jnp.ravel(axis) for axis in jnp.meshgrid(jnp.linspace(-1, 0.2, 25), jnp.linspace(5, 80, 40), indexing="ij")
     )
-    traced = []
+    traces = []
 
     @jax.jit
     @jax.vmap
     def render(contrast, l_over_v):
-        traced.append(1)
+        traces.append(1)
         return stimuli.looming(EYE, contrast=contrast, l_over_v=l_over_v, **WINDOW)
 
     batch = render(contrast, l_over_v)
     assert batch.frames.shape == (1000, 14, 12, 16)
-    assert len(traced) == 1
+    assert len(traces) == 1
     for i in (0, 517, 999):
         single = stimuli.looming(EYE, contrast=float(contrast[i]), l_over_v=float(l_over_v[i]), **WINDOW)
         assert np.max(np.abs(batch.frames[i] - single.frames)) < 1e-9

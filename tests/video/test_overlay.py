@@ -4,6 +4,7 @@ import numpy as np
 
 import lgmd2jax as lgmd
 from lgmd2jax._video.clip import Frame
+from lgmd2jax._video.image_pixels import ImagePixels
 from lgmd2jax._video.overlay import Overlay
 from lgmd2jax._video.trace import Row
 
@@ -14,7 +15,9 @@ def test_the_overlay_draws_on_pictures_of_any_size():
         picture = np.full((rows, cols, 3), 200, np.uint8)
         for i in range(300):
             row = Row(i, i * 33.0, 0.0, 0.0, 0.9, 0.5 + 0.4 * (i % 2), i % 3, i % 2)
-            drawn = overlay.draw(Frame(i, i * 33.0, 33.0, picture, picture[..., 0] * 1.0, False), row)
+            drawn = overlay.draw(
+                Frame(i, i * 33.0, 33.0, ImagePixels(picture, 255.0), picture[..., 0] * 1.0, False), row
+            )
             assert drawn.shape == picture.shape
         assert (picture == 200).all()
         assert len(overlay._past) <= 4000 / 33 + 2

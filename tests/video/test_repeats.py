@@ -64,15 +64,18 @@ def test_without_a_steady_clock_a_dropped_repeat_adds_to_the_interval(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("file", "until", "recall"),
+    ("file", "until", "recall", "precision"),
     # After frame 218 of c29 nothing moves: what repeats there cannot be told from what stands still.
-    [("c29.mp4", 219, 0.97), ("tc16.mp4", 120, 1.0), ("nc03.mp4", 151, 1.0), ("nc07.mp4", 282, 0.5)],
+    # The eye missed about every second one, as those of nc03 below show, which lie on a grid.
+    [("c29.mp4", 219, 0.97, 0.5), ("tc16.mp4", 120, 1, 0.6), ("nc03.mp4", 151, 1, 0.45), ("nc07.mp4", 282, 0.5, 0.6)],
 )
-def test_repeats_that_were_seen_by_eye_are_found(data, file, until, recall):
+def test_repeats_that_were_seen_by_eye_are_found_and_few_others(data, file, until, recall, precision):
     clips = json.loads((data / "clips" / "annotations.json").read_text())["clips"]
-    (seen,) = (set(clip["duplicate_frames"]) for clip in clips if clip["file"] == file)
-    seen = {frame for frame in seen if frame < until}
-    assert len(repeats_of(data / "clips" / file) & seen) >= recall * len(seen)
+    (judged,) = (set(clip["duplicate_frames"]) for clip in clips if clip["file"] == file)
+    judged = {frame for frame in judged if frame < until}
+    marked = {frame for frame in repeats_of(data / "clips" / file) if frame < until}
+    assert len(marked & judged) >= recall * len(judged)
+    assert len(marked & judged) >= precision * len(marked)
 
 
 def test_the_repeats_of_a_recorded_conversion_lie_on_its_grid(data):

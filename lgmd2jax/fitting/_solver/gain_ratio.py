@@ -7,8 +7,13 @@ import optimistix as optx
 from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Bool, PyTree, Scalar
 
-# What is known of the residuals at a point: their values and, as a linear operator, their Jacobian.
+# The residuals at a point, and their Jacobian as a linear operator.
 ResidualJac = optx.FunctionInfo.ResidualJac
+
+_FIRST_STEP_SIZE = 100.0
+_ACCEPTED, _GOOD = 1e-3, 0.75  # ratios of actual to predicted reduction from which a step is accepted, and good
+_GROWTH = 5.0  # of the step size after a good step
+_DAMPED = 1e-3  # share of the curvature above which the damping counts as what shortened a step
 
 
 class GainRatioState(eqx.Module):
@@ -30,13 +35,8 @@ class GainRatio(optx.AbstractSearch):
       (Nielsen, 1999), so that the way back is short.
     """
 
-    accepted: float = 1e-3
-    good: float = 0.75
-    growth: float = 5.0
-    initial: float = 100.0
-
     def init(self, y: PyTree[Array], f_info_struct: ResidualJac) -> GainRatioState:
-        return GainRatioState(jnp.array(self.initial), jnp.array(2.0), jnp.array(jnp.inf))
+        return GainRatioState(jnp.array(_FIRST_STEP_SIZE), jnp.array(2.0), jnp.array(jnp.inf))
 
     def step(
         self,
@@ -59,11 +59,11 @@ class GainRatio(optx.AbstractSearch):
         actual = jnp.where(jnp.abs(now - then) < noise, by_gradients, now - then)
 
         low_enough = now <= state.lowest + noise
-        accept = first_step | ((predicted < 0) & (actual <= self.accepted * predicted) & low_enough)
+        accept = first_step | ((predicted < 0) & (actual <= _ACCEPTED * predicted) & low_enough)
         damping = -slope - curvature
-        grow = ~first_step & (actual <= self.good * predicted) & (damping > 1e-3 * curvature)
+        grow = ~first_step & (actual <= _GOOD * predicted) & (damping > _DAMPED * curvature)
         new = GainRatioState(
-            step_size=state.step_size * jnp.where(accept, jnp.where(grow, self.growth, 1), 1 / state.shrink),
+            step_size=state.step_size * jnp.where(accept, jnp.where(grow, _GROWTH, 1), 1 / state.shrink),
             shrink=jnp.where(accept, 2, 2 * state.shrink),
             lowest=jnp.where(accept, jnp.minimum(now, state.lowest), state.lowest),
         )

@@ -37,7 +37,7 @@ class BoundedLevenbergMarquardt(optx.AbstractLeastSquaresSolver):
     `solution.stats` holds `num_accepted_steps` and `offset`, the norm that is compared with the tolerance.
     Differentiating the solution assumes that no bound is active.
 
-    Supports the option `jac`: `"fwd"` (default) or `"bwd"`, the mode in which the Jacobian is computed.
+    The Jacobian is computed in forward mode.
 
     **Arguments:** `rtol` and `atol` as above. `lower` and `upper` are numbers, or pytrees of which the variables'
     pytree is an extension; infinite where there is no bound, equal to fix a variable. A start outside is moved onto the
@@ -52,23 +52,16 @@ class BoundedLevenbergMarquardt(optx.AbstractLeastSquaresSolver):
     descent: DampedBoxDescent
     search: GainRatio
 
-    def __init__(
-        self,
-        rtol: float,
-        atol: float,
-        lower: PyTree = -jnp.inf,
-        upper: PyTree = jnp.inf,
-        norm: Callable[[PyTree], Scalar] = optx.two_norm,
-    ):
+    def __init__(self, rtol: float, atol: float, lower: PyTree = -jnp.inf, upper: PyTree = jnp.inf):
         self.rtol = rtol
         self.atol = atol
-        self.norm = norm
+        self.norm = optx.two_norm  # optimistix asks for it
         self.descent = DampedBoxDescent(lower, upper)
         self.search = GainRatio()
 
     def init(self, fn, y, args, options, f_struct, aux_struct, tags) -> "_State":
         del f_struct
-        f_info, _ = eqx.filter_eval_shape(_evaluate, fn, y, args, options, tags)
+        f_info, _ = eqx.filter_eval_shape(_evaluate, fn, y, args, tags)
         f_info, aux = jax.tree.map(lambda x: jnp.zeros(x.shape, x.dtype), (f_info, aux_struct))
         lower, upper = self.descent.box(y)
         return _State(
@@ -85,7 +78,7 @@ class BoundedLevenbergMarquardt(optx.AbstractLeastSquaresSolver):
         )
 
     def step(self, fn, y, args, options, state: "_State", tags) -> tuple[PyTree, "_State", PyTree]:
-        f_eval_info, aux_eval = _evaluate(fn, state.y_eval, args, options, tags)
+        f_eval_info, aux_eval = _evaluate(fn, state.y_eval, args, tags)
         step_size, accept, _, search_state = self.search.step(
             state.first_step, y, state.y_eval, state.f_info, f_eval_info, state.search_state
         )
@@ -121,6 +114,10 @@ class BoundedLevenbergMarquardt(optx.AbstractLeastSquaresSolver):
     def terminate(self, fn, y, args, options, state: "_State", tags) -> tuple[Bool[Array, ""], optx.RESULTS]:
         return state.terminate, state.result
 
+    def loss(self, state: "_State") -> Scalar:
+        """Half the sum of squares at the last accepted point."""
+        return state.f_info.as_min()
+
     def postprocess(self, fn, y, aux, args, options, state: "_State", tags, result) -> tuple[PyTree, PyTree, dict]:
         return y, aux, {"num_accepted_steps": state.num_accepted_steps, "offset": state.offset}
 
@@ -140,17 +137,14 @@ class _State(eqx.Module):
     num_accepted_steps: Int[Array, ""]
 
 
-def _evaluate(fn, y, args, options, tags) -> tuple[ResidualJac, PyTree]:
+def _evaluate(fn, y, args, tags) -> tuple[ResidualJac, PyTree]:
     """Residuals and Jacobian at `y`; the residuals are NaN where the Jacobian is not finite, so that it is rejected."""
-    modes = {"fwd": jax.jacfwd, "bwd": jax.jacrev}
-    if (mode := options.get("jac", "fwd")) not in modes:
-        raise ValueError(f"options['jac'] is {mode!r}; choose 'fwd' or 'bwd'")
 
     def residual_twice(y):
         residual, aux = fn(y, args)
         return residual, (residual, aux)
 
-    jac, (residual, aux) = modes[mode](residual_twice, has_aux=True)(y)
+    jac, (residual, aux) = jax.jacfwd(residual_twice, has_aux=True)(y)
     finite = _all(jax.tree.map(jnp.isfinite, jac))
     structure = jax.eval_shape(lambda: residual)
     residual = jax.tree.map(lambda r: jnp.where(finite, r, jnp.nan), residual)

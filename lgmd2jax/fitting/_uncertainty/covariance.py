@@ -7,6 +7,7 @@ import numpy as np
 import scipy
 from jaxtyping import Bool, Float, Int
 
+CONFIDENCE = 0.95  # of intervals
 # Variance of a value of which only its bounds are known, in the unit box.
 BOX_VARIANCE = 1 / 12
 # Of the box, within which a value counts as on its bound.
@@ -21,11 +22,11 @@ _TELLING = 0.3
 
 @dataclasses.dataclass(frozen=True)
 class Uncertainty:
-    """What the curves say about the free parameters at the best fit, by linearisation.
+    """What the curves tell of the free parameters at the best fit, by linearisation.
 
     - `names`, `values`: of the free parameters, in their own units. `slopes`: their derivatives in the unit box.
-    - `standard_errors`: infinite without influence. `intervals`: at `confidence`, symmetric in the unit box and cut
-      at its walls.
+    - `standard_errors`: infinite without influence. `intervals`: of 95 %, symmetric in the unit box and cut at its
+      walls.
     - `covariance`, `correlation`: a parameter on a bound is held when the others' errors are computed, and has no
       correlation with them here; its own error is that of all parameters together.
     - `determined`: False for a parameter without influence, for one that others can replace, and for one whose
@@ -45,7 +46,6 @@ class Uncertainty:
     slopes: Float[np.ndarray, " free"]
     standard_errors: Float[np.ndarray, " free"]
     intervals: Float[np.ndarray, "free 2"]
-    confidence: float
     covariance: Float[np.ndarray, "free free"]
     correlation: Float[np.ndarray, "free free"]
     determined: Bool[np.ndarray, " free"]
@@ -77,7 +77,6 @@ def uncertainty(
     n_effective: float | int,
     absolute: bool,
     priors: int = 0,
-    confidence: float = 0.95,
 ) -> Uncertainty:
     """Covariance by Gauss and Newton: variance (J^T J)^-1.
 
@@ -114,7 +113,7 @@ def uncertainty(
         reason = "no parameter is determined by these curves"
 
     law = scipy.stats.norm if absolute else scipy.stats.t(max(degrees, np.finfo(float).tiny))
-    reach = law.ppf(0.5 + confidence / 2) * errors_z
+    reach = law.ppf(0.5 + CONFIDENCE / 2) * errors_z
     ends = [np.clip(z + sign * reach, 0, 1) for sign in (-1, 1)]
     with np.errstate(invalid="ignore", divide="ignore"):
         correlation = covariance_z / np.outer(errors_z, errors_z)
@@ -125,7 +124,6 @@ def uncertainty(
         slopes=slopes,
         standard_errors=errors_z * slopes,
         intervals=np.stack([value(end) for end in ends], axis=1),
-        confidence=confidence,
         covariance=covariance_z * np.outer(slopes, slopes),
         correlation=correlation,
         determined=np.isfinite(errors_z) & (ends[1] - ends[0] < 1),

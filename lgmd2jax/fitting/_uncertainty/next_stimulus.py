@@ -22,8 +22,8 @@ class Candidate(NamedTuple):
     shrink: dict[str, float]
 
 
-def ranked(u: Uncertainty, jacobians: Sequence[Float[np.ndarray, "_ free"]], names: Sequence[str]) -> list[Candidate]:
-    """The candidates, the best first. `jacobians`: slopes of their curves by the unit box, in standard errors."""
+def rank(u: Uncertainty, jacobians: Sequence[Float[np.ndarray, "_ free"]], names: Sequence[str]) -> list[Candidate]:
+    """Rank the stimuli, the best first. `jacobians`: slopes of their curves by the unit box, in standard errors."""
     before = u.information + np.eye(len(u.names)) / BOX_VARIANCE
     errors = np.sqrt(np.diag(np.linalg.inv(before)))
     candidates = []

@@ -65,7 +65,7 @@ def posterior(
     scatter, sampling = jax.random.split(key)
     starts = jnp.log(place / (1 - place))[None, :] + _SCATTER * jax.random.normal(scatter, (chains, len(z)))
     out = _sample(residuals, starts, jax.random.split(sampling, chains), jnp.asarray(variance), draws, warmup)
-    x, energy, diverging, rate, depth = (np.asarray(it) for it in out)
+    x, energy, diverging, rate, depth = (np.asarray(array) for array in out)
     x = np.asarray(jax.nn.sigmoid(x))
     return Posterior(
         z=x,

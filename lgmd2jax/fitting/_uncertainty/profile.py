@@ -7,11 +7,13 @@ import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 import optimistix as optx
+import scipy
 from jaxtyping import Array, Float
 
 from lgmd2jax.fitting._solver.levenberg_marquardt import BoundedLevenbergMarquardt
+from lgmd2jax.fitting._uncertainty.covariance import Uncertainty
 
-# Relative, how close an end comes to the rise that is looked for.
+# Relative, how close the rise at an end comes to its limit.
 _CLOSE = 1e-3
 _TRIALS = 20
 
@@ -20,7 +22,7 @@ _TRIALS = 20
 class Profile:
     """How chi2 rises as a parameter is moved, in its own unit.
 
-    - `values`, `rise`: the points that were tried, sorted, and chi2 above its minimum there, per variance.
+    - `values`, `rise`: sorted points, and chi2 above its minimum there, per variance.
     - `interval`: where the rise reaches `limit`. `is_open`: ends at which it does not within the bounds.
     """
 
@@ -29,6 +31,16 @@ class Profile:
     interval: tuple[float, float]
     is_open: tuple[bool, bool]
     limit: float
+
+
+def rise_limit(u: Uncertainty, confidence: float) -> float:
+    """By how much chi2 / variance rises up to the end of an interval of one parameter.
+
+    With errors that are only relative, the residual variance is known no better than its degrees of freedom allow.
+    """
+    if u.absolute:
+        return float(scipy.stats.chi2.ppf(confidence, 1))
+    return float(scipy.stats.f.ppf(confidence, 1, u.degrees_of_freedom))
 
 
 def profile(
@@ -47,21 +59,21 @@ def profile(
     **Arguments:** `residuals` by a point of the unit box, correlated ones already counted as fractions; `z` the best
     point; `step` the first distance tried, such as two standard errors; `value` maps to the parameter's own unit.
     """
-    minimum, best = refitted(residuals, jnp.asarray(z), jnp.asarray(-1), jnp.asarray(0.0), max_steps)
+    minimum, best = refit(residuals, jnp.asarray(z), jnp.asarray(-1), jnp.asarray(0.0), max_steps)
     start = float(minimum[index])
-    tried = {start: (0.0, minimum)}
+    rises, points = {start: 0.0}, {start: minimum}
 
     def rise(x: float) -> float:
-        near = min(tried, key=lambda other: abs(other - x))
-        point, chi2 = refitted(residuals, tried[near][1], jnp.asarray(index), jnp.asarray(x), max_steps)
-        tried[x] = float(chi2 - best) / variance, point
-        return tried[x][0]
+        nearest = min(points, key=lambda other: abs(other - x))
+        points[x], chi2 = refit(residuals, points[nearest], jnp.asarray(index), jnp.asarray(x), max_steps)
+        rises[x] = float(chi2 - best) / variance
+        return rises[x]
 
     ends = [_crossing(rise, start, sign, step, limit) for sign in (-1, 1)]
-    order = sorted(tried)
+    order = sorted(rises)
     return Profile(
         values=np.array([value(x) for x in order]),
-        rise=np.array([tried[x][0] for x in order]),
+        rise=np.array([rises[x] for x in order]),
         interval=(value(0.0 if ends[0] is None else ends[0]), value(1.0 if ends[1] is None else ends[1])),
         is_open=(ends[0] is None, ends[1] is None),
         limit=limit,
@@ -101,7 +113,7 @@ def _crossing(rise: Callable[[float], float], start: float, sign: int, step: flo
 
 
 @eqx.filter_jit
-def refitted(residuals, z, index, x, max_steps: int):
+def refit(residuals, z, index, x, max_steps: int):
     """The best point with entry `index` held at x (with index -1 nothing is held), and chi2 there."""
     held = jnp.arange(len(z)) == index
     lower, upper = jnp.where(held, x, 0.0), jnp.where(held, x, 1.0)

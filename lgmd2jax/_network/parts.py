@@ -1,0 +1,60 @@
+"""The pixel stage of the LGMD2 in three parts, by what a derivative needs of each (`sensitivity`)."""
+
+import abc
+from typing import NamedTuple
+
+import equinox as eqx
+from jaxtyping import Array, Float
+
+from lgmd2jax._network.maps import Bordered, inside
+from lgmd2jax._network.medulla import lateral
+from lgmd2jax._network.stages import AbstractPixels
+from lgmd2jax._types import Map, Scalar
+
+
+class Traces(eqx.Module):
+    """What the pixels remember of changes, with the border. It is pointwise: neighbours only feed forward.
+
+    `held`: M, how much of late a pixel changed; for size-coding inhibition alone.
+    """
+
+    p: Float[Array, "n_p row_and_border col_and_border"]
+    on: Bordered
+    off: Bordered
+    d_on: Bordered
+    d_off: Bordered
+    held: Map | None = None
+
+
+class Signals(NamedTuple):
+    """The flows that meet in a local sum: ON, OFF, and the lateral spread of their delayed ones."""
+
+    on: Map
+    off: Map
+    spread_on: Map
+    spread_off: Map
+
+
+def signals_of(traces: Traces) -> Signals:
+    """Eqs 5 and 6: the flows of a frame."""
+    return Signals(inside(traces.on), inside(traces.off), lateral(traces.d_on), lateral(traces.d_off))
+
+
+class PixelParts(AbstractPixels):
+    """What pixels remember, how flows add up to S, and the gate with the sum over the field."""
+
+    @abc.abstractmethod
+    def traces_at_rest(self, frame: Map) -> Traces:
+        """The traces of pixels that saw no change."""
+
+    @abc.abstractmethod
+    def remember(self, traces: Traces, change: Bordered, interval: Scalar) -> tuple[Traces, Scalar, Bordered]:
+        """All that has a memory, each pixel by itself: the next traces, F, and P."""
+
+    @abc.abstractmethod
+    def add_flows(self, signals: Signals) -> Map:
+        """S."""
+
+    @abc.abstractmethod
+    def gate_and_pool(self, s: Map) -> Scalar:
+        """MP."""

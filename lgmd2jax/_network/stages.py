@@ -1,0 +1,111 @@
+"""The two stages of a network: pixels, which leave two sums of a frame, and the cell, which sees only these."""
+
+import abc
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import equinox as eqx
+import jax
+from jaxtyping import Array, Float
+
+from lgmd2jax._types import Map, Scalar
+
+Record = Callable[[Any], Any]  # from the layers of a frame to what is kept of them
+Interval = Float[Array, " *time"]  # ms that a frame lasts: one for all, or one for each
+
+
+class Sums(NamedTuple):
+    """What the pixels leave of a frame, or of each frame of a clip: MP (eq. 11) and F (eq. 13), in grey levels."""
+
+    mp: Float[Array, " *time"]
+    f: Float[Array, " *time"]
+
+
+class Response(eqx.Module):
+    """What the cell does, a value a frame (scalars from `LGMD2.step`).
+
+    - `mp`: summed potential MP, in grey levels (eq. 11).
+    - `ffi`: delayed feed-forward inhibition Fbar, in grey levels (eq. 14).
+    - `smp`: sigmoid membrane potential U, in [.5, 1), before adaptation (eq. 12).
+    - `smp_adapted`: U' after spike-frequency adaptation (eq. 15).
+    - `spikes`: spikes in this frame, 0 to 2 (eq. 16); fractional between thresholds that are soft.
+    - `collision`: the alarm, 0 or 1 (eq. 17); fractional likewise.
+    - `recorded`: what the `record` function returned, with time as the first axis; None without one.
+    """
+
+    mp: Float[Array, " *time"]
+    ffi: Float[Array, " *time"]
+    smp: Float[Array, " *time"]
+    smp_adapted: Float[Array, " *time"]
+    spikes: Float[Array, " *time"]
+    collision: Float[Array, " *time"]
+    recorded: Any = None
+
+
+class AbstractPixels(eqx.Module):
+    """The pixel stage of a network: from frames to `Sums`.
+
+    `over` derives by JAX as it stands. A stage that knows a cheaper way to the same numbers has an `over` of its own.
+    """
+
+    parameters: eqx.AbstractVar[Any]  # a ParameterSet
+
+    @abc.abstractmethod
+    def rest(self, frame: Map) -> Any:
+        """The state of pixels that saw `frame` and no change."""
+
+    @abc.abstractmethod
+    def step(self, state: Any, frame: Map, interval: Scalar) -> tuple[Any, Sums, Any]:
+        """The next state, the sums of this frame, and its layers for `record`.
+
+        **Arguments:** `interval` in ms since the frame before.
+        """
+
+    def over(
+        self, frames: Float[Array, "time row col"], interval: Interval, record: Record | None = None
+    ) -> tuple[Sums, Any]:
+        """The sums over a clip, and what was recorded.
+
+        **Arguments:** `interval` in ms, one or one a frame.
+        """
+        return self.plain(frames, interval, record)
+
+    def plain(
+        self, frames: Float[Array, "time row col"], interval: Interval, record: Record | None = None
+    ) -> tuple[Sums, Any]:
+        """The same by `step`, frame by frame, as JAX derives it."""
+
+        def step(state, moment):
+            frame, own = moment
+            state, sums, layers = self.step(state, frame, interval if own is None else own)
+            return state, (sums, None if record is None else record(layers))
+
+        own = interval if interval.ndim else None
+        return jax.lax.scan(step, self.rest(frames[0]), (frames, own))[1]
+
+
+class AbstractCell(eqx.Module):
+    """The cell of a network: from `Sums` to `Response`."""
+
+    parameters: eqx.AbstractVar[Any]  # a ParameterSet
+
+    @abc.abstractmethod
+    def rest(self) -> Any:
+        """The state before the first frame, in the dtype of the parameters."""
+
+    @abc.abstractmethod
+    def step(self, state: Any, sums: Sums, interval: Scalar, pixels: int) -> tuple[Any, Response]:
+        """The next state and the response of this frame.
+
+        **Arguments:** all numbers come in one dtype; `interval` in ms; `pixels` the n of eq. 12.
+        """
+
+    def over(self, sums: Sums, interval: Interval, pixels: int) -> Response:
+        """The response to a clip, from rest."""
+
+        def step(state, moment):
+            now, own = moment
+            return self.step(state, now, interval if own is None else own, pixels)
+
+        own = interval if interval.ndim else None
+        return jax.lax.scan(step, self.rest(), (sums, own))[1]

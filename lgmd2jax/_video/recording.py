@@ -1,0 +1,32 @@
+"""A clip as a whole, decoded: what a fit or an evaluation sees of it."""
+
+import dataclasses
+
+import numpy as np
+from jaxtyping import Float, Float32, Int
+
+
+@dataclasses.dataclass(frozen=True)
+class Recording:
+    """The grey frames of a clip, perhaps without its repeated ones.
+
+    - `index`, `time`: where each frame stands in the file, and when, in ms.
+    - `interval`: ms since the frame before, for the model's time constants.
+    - `fps`: frames per second, after repeated frames were dropped.
+    - `count`: how many frames the file holds, repeated ones included.
+    """
+
+    frames: Float32[np.ndarray, "time row col"]
+    index: Int[np.ndarray, " time"]
+    time: Float[np.ndarray, " time"]
+    interval: Float[np.ndarray, " time"]
+    fps: float
+    count: int
+
+    def time_of(self, frame: int) -> float:
+        """When a frame of the file is shown, in ms."""
+        return float(np.interp(frame, self.index, self.time))
+
+    def frame_at(self, time: float) -> int:
+        """The frame of the file that is nearest to a time, within the clip."""
+        return round(float(np.interp(time, self.time, self.index)))

@@ -1,0 +1,166 @@
+"""How well a model does on labelled clips: the alarms of each, hits against false alarms, and time before contact."""
+
+import dataclasses
+import math
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import equinox as eqx
+import numpy as np
+import scipy
+from jaxtyping import Array, Float
+
+from lgmd2jax._network.lgmd2 import LGMD2
+from lgmd2jax._signals import stretches
+from lgmd2jax.alarms._clip import LabelledClip, Stretch
+from lgmd2jax.alarms._clip_batch import ClipBatch, batches_of
+
+
+class Verdict(NamedTuple):
+    """What a model did on a clip.
+
+    - `alarms`: first and last frame, as in the file, of each stretch in which the alarm is on.
+    - `hits`: for each window, whether the alarm was raised in it.
+    - `false_alarms`: how often it was raised or stood in a silence.
+    - `warning_ms`: from the first alarm in a window to contact; NaN without either.
+    - `margin`: how far T_sp may move until something here changes, in units of U'; negative where something is wrong.
+    """
+
+    clip: str
+    alarms: tuple[Stretch, ...]
+    hits: tuple[bool, ...]
+    false_alarms: int
+    warning_ms: float
+    margin: float
+
+    @property
+    def right(self) -> bool:
+        """Whether all windows are hit and all silences kept."""
+        return all(self.hits) and not self.false_alarms
+
+
+class Share(NamedTuple):
+    """A share or a rate with its 95 % interval."""
+
+    value: float
+    low: float
+    high: float
+
+
+class Score(NamedTuple):
+    """Windows hit, and false alarms a minute, over all clips."""
+
+    hits: Share
+    false_alarms: Share
+
+
+@dataclasses.dataclass(frozen=True)
+class Evaluation:
+    """The evidence for an alarm in every frame of every clip, so that every T_sp can be judged.
+
+    `T_sp`: the model's own.
+    """
+
+    clips: tuple[LabelledClip, ...]
+    evidence: tuple[Float[np.ndarray, " _time"], ...]
+    T_sp: float
+
+    def verdicts(self) -> tuple[Verdict, ...]:
+        """What the model does on each clip."""
+        return tuple(_verdict(clip, trace, self.T_sp) for clip, trace in zip(self.clips, self.evidence, strict=True))
+
+    def operating_curve(
+        self, thresholds: Float[np.ndarray, " threshold"]
+    ) -> tuple[Float[np.ndarray, " threshold"], Float[np.ndarray, " threshold"]]:
+        """For each T_sp the share of windows that are hit, and false alarms a minute of what must be silent."""
+        counts = np.array([self._counts(threshold) for threshold in thresholds])
+        return counts[:, 0] / max(self.windows, 1), counts[:, 1] / max(self.silent_minutes, 1e-9)
+
+    def score(self) -> Score:
+        """Both at the model's own T_sp: hits with Wilson's interval, false alarms with Garwood's of a Poisson count."""
+        hits, false = self._counts(self.T_sp)
+        share = Share(math.nan, 0.0, 1.0)
+        if self.windows:
+            interval = scipy.stats.binomtest(hits, self.windows).proportion_ci(method="wilson")
+            share = Share(hits / self.windows, float(interval.low), float(interval.high))
+        minutes = self.silent_minutes or math.nan
+        low = scipy.stats.chi2.ppf(0.025, 2 * false) / 2 if false else 0.0
+        high = scipy.stats.chi2.ppf(0.975, 2 * false + 2) / 2
+        return Score(share, Share(false / minutes, float(low) / minutes, float(high) / minutes))
+
+    @property
+    def windows(self) -> int:
+        """How many alarms are wanted."""
+        return sum(len(clip.windows) for clip in self.clips)
+
+    @property
+    def silent_minutes(self) -> float:
+        """How long there must be silence in all."""
+        return sum(clip.silent_minutes for clip in self.clips)
+
+    def _counts(self, threshold: float) -> tuple[int, int]:
+        hits = false = 0
+        for clip, trace in zip(self.clips, self.evidence, strict=True):
+            on = trace >= threshold
+            hits += int((clip.in_windows() & on).any(axis=1).sum())
+            false += _times_raised(on & clip.in_silence())
+        return hits, false
+
+
+@dataclasses.dataclass(frozen=True)
+class HeldOutScores:
+    """What models do on clips that the fit did not see, by what the model is called."""
+
+    minutes: float
+    windows: int
+    scores: Mapping[str, Score]
+
+    @classmethod
+    def of(cls, evaluations: Mapping[str, Evaluation]) -> "HeldOutScores":
+        """From the evaluations of all models on the same clips."""
+        first = next(iter(evaluations.values()))
+        scores = {name: evaluation.score() for name, evaluation in evaluations.items()}
+        return cls(first.silent_minutes, first.windows, scores)
+
+
+def evaluate(model: LGMD2, clips: Sequence[LabelledClip]) -> Evaluation:
+    """Run a model over labelled clips.
+
+    **Raises:** `ValueError` for no clips.
+    """
+    if not clips:
+        raise ValueError("clips is empty; give at least one")
+    traces: list[np.ndarray] = [np.zeros(0)] * len(clips)
+    for batch in batches_of(clips):
+        padded = np.asarray(_traces(model, batch, round(float(model.parameters.N_sp))))
+        for member, trace in zip(batch.members, padded, strict=True):
+            traces[member] = trace[: len(clips[member].frames)]
+    return Evaluation(tuple(clips), tuple(traces), float(model.parameters.T_sp))
+
+
+@eqx.filter_jit
+def _traces(model: LGMD2, batch: ClipBatch, N_sp: int) -> Float[Array, "clip time"]:
+    return batch.traces(model, batch.sums(model), N_sp)
+
+
+def _verdict(clip: LabelledClip, trace: np.ndarray, T_sp: float) -> Verdict:
+    on, silence, inside = trace >= T_sp, clip.in_silence(), clip.in_windows()
+    margins = [float(trace[window].max()) - T_sp for window in inside]
+    if silence.any():
+        margins.append(T_sp - float(trace[silence].max()))
+    in_time = np.flatnonzero(on & inside.any(axis=0))
+    warning = math.nan
+    if clip.contact_ms is not None and len(in_time):
+        warning = clip.contact_ms - float(clip.time[in_time[0]])
+    return Verdict(
+        clip=clip.name,
+        alarms=tuple((int(clip.index[a]), int(clip.index[b])) for a, b in stretches(on)),
+        hits=tuple(bool((window & on).any()) for window in inside),
+        false_alarms=_times_raised(on & silence),
+        warning_ms=warning,
+        margin=min(margins, default=math.nan),
+    )
+
+
+def _times_raised(on: np.ndarray) -> int:
+    return len(stretches(on))

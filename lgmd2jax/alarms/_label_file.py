@@ -1,0 +1,249 @@
+"""Labelled clips, read from a TOML file: recorded ones beside it, and rendered ones whose geometry is their label."""
+
+import dataclasses
+import math
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import jax
+import numpy as np
+
+from lgmd2jax._eye import Eye
+from lgmd2jax._files.catalogue import read_named
+from lgmd2jax._protocol.arguments import check_keys, section
+from lgmd2jax._protocol.protocol import eye_of
+from lgmd2jax._signals import stretches
+from lgmd2jax._video.clip import Clip, open_clip, window_of
+from lgmd2jax._video.recording import Recording
+from lgmd2jax.alarms._clip import LabelledClip, check_stretches
+from lgmd2jax.alarms._decoding import decode
+from lgmd2jax.stimuli import Encounter, encounters
+
+_CLIP = ("name", "file", "fps", "resize", "crop", "drop_duplicates", "alarm", "silent", "contact", "before_ms")
+_CLIP += ("grace_ms", "settle", "white", "until_damage")
+_SETTLE = 10  # frames at the beginning of a clip that are not judged: the network comes to rest
+_GRACE_MS = 1000.0  # after contact nothing is judged: the camera jolts
+
+
+@dataclasses.dataclass(frozen=True)
+class Rendering:
+    """Which clips to render: how many, from which seed, and how time to contact becomes a label.
+
+    - `alarm_below_ms`: an alarm is wanted while contact is nearer than that, on a collision course of a dark object.
+    - `silent_above_ms`: silence is wanted while it is further away than that; between the two nothing is judged.
+    """
+
+    count: int
+    seed: int = 0
+    duration_ms: float | int = 3000.0
+    alarm_below_ms: float | int = 1000.0
+    silent_above_ms: float | int = 2000.0
+
+    def __post_init__(self):
+        if not (isinstance(self.count, int) and self.count >= 1):
+            raise ValueError(f"count is {self.count!r}; give a whole number of clips, 1 or more")
+        if not 0 < self.alarm_below_ms <= self.silent_above_ms:
+            raise ValueError(
+                f"alarm_below_ms is {self.alarm_below_ms:g} and silent_above_ms {self.silent_above_ms:g}; "
+                "let both be positive and the first not the larger"
+            )
+
+    def clips(self, eye: Eye) -> Iterator[LabelledClip]:
+        """Render the clips for an eye, one by one, with their labels."""
+        shown = encounters(eye, jax.random.key(self.seed), self.count, duration_ms=self.duration_ms)
+        for number, encounter in enumerate(shown):
+            yield self._labelled(f"{number:03d} {encounter.kind}", encounter)
+
+    def _labelled(self, name: str, encounter: Encounter) -> LabelledClip:
+        left = np.asarray(encounter.time_to_contact_ms)
+        count = len(left)
+        judged = np.arange(count) >= _SETTLE
+        contact = None
+        if np.isfinite(left[-1]):
+            contact = count - 1 + round(float(left[-1]) * encounter.stimulus.fps / 1000)
+        return LabelledClip.of(
+            name,
+            np.asarray(encounter.stimulus.frames).astype(np.uint8),
+            encounter.stimulus.fps,
+            windows=stretches(judged & (left <= self.alarm_below_ms)),
+            silent=stretches(judged & (left > self.silent_above_ms)),
+            contact=contact,
+        )
+
+
+@dataclasses.dataclass(frozen=True)
+class LabelFile:
+    """The content of a file of labelled clips: the eye that they are sampled with, recorded clips, what to render."""
+
+    name: str
+    eye: Eye
+    clips: tuple[dict[str, Any], ...]
+    rendered: Rendering | None
+    folder: Path
+
+    def load(self, progress: Callable[[Iterable], Iterable] = iter) -> tuple[LabelledClip, ...]:
+        """All clips, recorded ones first. `progress` wraps the loop over them; what is rendered counts as one.
+
+        All recorded clips are opened and their labels checked before the first is decoded.
+
+        **Raises:** `ValueError` that names all clips whose files or labels are wrong.
+        """
+        sources = [*self._opened(), *([] if self.rendered is None else [self.rendered])]
+        return tuple(clip for source in progress(sources) for clip in self._clips_of(source))
+
+    def _clips_of(self, source: "_Opened | Rendering") -> Iterator[LabelledClip]:
+        if isinstance(source, Rendering):
+            yield from source.clips(self.eye)
+        else:
+            yield source.labelled()
+
+    def _opened(self) -> list["_Opened"]:
+        opened, faults = [], []
+        for table in self.clips:
+            try:
+                opened.append(_Opened.of(table, self))
+            except (ValueError, OSError) as fault:
+                faults.append(str(fault))
+        if faults:
+            raise ValueError("; ".join(faults))
+        return opened
+
+
+def load_labels(source: str | Path) -> LabelFile:
+    """Read a file of labelled clips, or a shipped one by its bare name.
+
+    ```toml
+    [eye]                       # what the clips are resized to, and what the model then belongs to
+    rows = 60
+    cols = 108
+    degrees_per_pixel = 0.65
+    fps = 30
+    projection = "pinhole"
+
+    [[clip]]                    # as many as wanted; frames are counted from 0, as in the file
+    file = "crash.mp4"          # beside this file; any video that ffmpeg reads, or a folder of images
+    alarm = [[149, 175]]        # in each of these an alarm must be raised; leave it out where all must be silent
+    silent = [[10, 120]]        # by default all else but the first 10 frames and a grace time after contact
+    contact = 174               # the frame in which something is hit
+    drop_duplicates = true      # for a file whose frame rate was converted
+    crop = ":,36:397"           # rows and columns to use
+    # before_ms = [1000, 0]     # instead of alarm: from so long before contact to so long before it
+    # fps = 30, name = "crash", resize = 108, white = 4095, until_damage = true, grace_ms = 1000, settle = 10
+
+    [rendered]                  # clips without end; their label is the time to contact by geometry
+    count = 100
+    seed = 0
+    alarm_below_ms = 1000
+    silent_above_ms = 2000
+    ```
+
+    **Raises:** `ValueError`, which names file, clip and key, for what is no such file; `FileNotFoundError`.
+    """
+    return read_named(source, "stimuli", label_file)
+
+
+def label_file(path: Path, table: dict[str, Any]) -> LabelFile:
+    """The labelled clips that a TOML file describes.
+
+    **Raises:** `ValueError`, which names clip and key, for what is no such file.
+    """
+    check_keys(table, ("eye", "clip", "rendered"))
+    folder = path.parent.resolve()
+    eye, clips = eye_of(section(table, "eye"), folder), table.get("clip", [])
+    if not (isinstance(clips, list) and all(isinstance(clip, dict) for clip in clips)):
+        raise ValueError("clip is not a list of tables; write each under [[clip]]")
+    names = [field.name for field in dataclasses.fields(Rendering)]
+    rendering = section(table, "rendered", names)
+    if not clips and not rendering:
+        raise ValueError("no clips; write each under [[clip]], or ask for some under [rendered]")
+    for number, clip in enumerate(clips, start=1):
+        check_keys(clip, _CLIP)
+        if not isinstance(clip.get("file"), str):
+            raise ValueError(f"clip {number}: file is missing")
+        if not (place := folder / clip["file"]).exists():
+            raise ValueError(f"clip {number}: there is no {place}; labels need their clip")
+        if {"alarm", "before_ms"} <= clip.keys():
+            raise ValueError(f"clip {number}: alarm and before_ms are both given; give one")
+    return LabelFile(path.stem, eye, tuple(clips), Rendering(**rendering) if rendering else None, folder)
+
+
+class _Opened(NamedTuple):
+    """A recorded clip that is not decoded yet, with its table of the file."""
+
+    table: dict[str, Any]
+    place: Path
+    clip: Clip
+
+    @classmethod
+    def of(cls, table: dict[str, Any], file: LabelFile) -> "_Opened":
+        """Open a clip of the file; its labels are checked as far as they can be before it is decoded."""
+        place = file.folder / table["file"]
+        crop = None if "crop" not in table else window_of(table["crop"])
+        clip = open_clip(
+            place,
+            fps=table.get("fps"),
+            crop=crop,
+            resize=table.get("resize", file.eye.cols),
+            white=table.get("white"),
+            until_damage=bool(table.get("until_damage", False)),
+        )
+        opened = cls(table, place, clip)
+        opened.check_labels(clip.count)
+        return opened
+
+    @property
+    def name(self) -> str:
+        """As the file says, else the clip's."""
+        return self.table.get("name", self.place.stem)
+
+    def check_labels(self, count: int | None) -> None:
+        """Raise `ValueError` for what is no label: labels are frames of the file, repeated ones included.
+
+        `count`: how many frames there are, where that is known.
+        """
+        name, table = self.name, self.table
+        contact, last = table.get("contact"), math.inf if count is None else count - 1
+        if contact is not None and not (isinstance(contact, int) and 0 <= contact <= last):
+            raise ValueError(f"{name}: contact is {contact!r}; give a frame of 0 to {last}")
+        check_stretches(name, last, {kind: table.get(kind) or [] for kind in ("alarm", "silent")})
+        if (before := table.get("before_ms")) is not None:
+            if contact is None:
+                raise ValueError(f"{name}: before_ms counts from contact, which is not given; give its frame")
+            if not (isinstance(before, list) and len(before) == 2 and before[0] > before[1] >= 0):
+                raise ValueError(f"{name}: before_ms is {before!r}; give two times before contact, as [1000, 0]")
+
+    def labelled(self) -> LabelledClip:
+        """The clip with its labels, decoded."""
+        table = self.table
+        options = table.get("white"), table.get("until_damage")
+        film = decode(self.clip, self.place, bool(table.get("drop_duplicates", False)), options)
+        self.check_labels(film.count)
+        contact, windows, silent = table.get("contact"), table.get("alarm", []), table.get("silent")
+        if contact is not None and "before_ms" in table:
+            windows = [_before(table["before_ms"], contact, film)]
+        if silent is None:
+            grace = -1
+            if contact is not None:
+                grace = film.frame_at(film.time_of(contact) + table.get("grace_ms", _GRACE_MS))
+            silent = _rest(windows, table.get("settle", _SETTLE), contact, grace, film.count - 1)
+        labels = {"windows": windows, "silent": silent, "contact": contact}
+        times = {"index": film.index, "time": film.time, "interval": film.interval, "count": film.count}
+        return LabelledClip.of(self.name, film.frames, film.fps, **labels, **times)
+
+
+def _before(before: list, contact: int, film: Recording) -> tuple[int, int]:
+    first, last = (film.frame_at(film.time_of(contact) - lead) for lead in before)
+    return first, last
+
+
+def _rest(
+    windows: Sequence[Sequence[int]], settle: int, contact: int | None, grace: int, last: int
+) -> list[tuple[int, int]]:
+    """All frames from `settle` on but those in windows and those in the grace time."""
+    judged = np.arange(last + 1) >= settle
+    for first, end in windows:
+        judged[first : end + 1] = False
+    if contact is not None:
+        judged[contact : grace + 1] = False
+    return stretches(judged)

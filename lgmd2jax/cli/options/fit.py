@@ -1,0 +1,51 @@
+"""The arguments of `lgmd2jax fit RECIPE`."""
+
+import argparse
+from pathlib import Path
+
+from lgmd2jax.cli.options.recipe_option import add_recipe
+
+_EXAMPLES = """\
+examples:
+  lgmd2jax fit lgmd2                  the shipped recipe lgmd2: results in lgmd2/ here
+  lgmd2jax fit mine.toml              one of your own: results in mine/ beside mine.toml
+  lgmd2jax fit mine.toml -o tonight   results in tonight/
+  lgmd2jax fit mine.toml --resume     go on where a fit was stopped or killed
+  lgmd2jax fit video                  alarms on labelled clips instead of curves: in time, else silence
+  lgmd2jax fit video --clips my.toml  the same with labelled clips of your own beside the rendered ones
+
+A recipe is a TOML file:
+  protocol = "mine-stimuli.toml"      # stimuli (see lgmd2jax stimuli --help) with their target curves
+  preset = "lgmd2"
+  [free]                              # what is not named stays as the preset has it
+  k = {}                              # between the default bounds
+  tau3 = { low = 100, high = 1000 }
+
+Ctrl-C ends the search and writes the best so far. The folder then holds
+  model.json        the fitted model with hard thresholds, for lgmd2jax export and --model
+  report.html       all results on one page; report.txt as text
+  fit.json          values, errors, intervals, every start, versions
+  curves.csv        target, soft and hard model of every condition over time
+  fit.png           the same as a picture
+  diagnostics.png   starts, loss over steps, correlations, what the data determine
+  posterior.nc      draws of the parameters, where the recipe asks for samples (arviz.from_netcdf)
+"""
+
+
+def add(commands: argparse._SubParsersAction) -> None:
+    """Add the command to argparse's sub-commands."""
+    parser = commands.add_parser(
+        "fit",
+        help="fit a model to target curves, or to labelled clips",
+        description="Fit the free parameters of a recipe to its target curves or labelled clips,\n"
+        "and hand over the model with hard thresholds.",
+        epilog=_EXAMPLES,
+    )
+    add_recipe(parser)
+    parser.add_argument("--resume", action="store_true", help="keep the starts that an earlier run has finished")
+    parser.add_argument(
+        "--clips",
+        type=Path,
+        metavar="FILE",
+        help="for a recipe of kind 'alarms': labelled clips of your own beside the recipe's, see lgmd2jax watch --help",
+    )

@@ -1,0 +1,14 @@
+# The public names. `__init__.py` loads each of them when it is first used.
+from ._conditions import AnyTarget as AnyTarget
+from ._curve import Curve as Curve
+from ._fit import fit as fit
+from ._free import Free as Free, Linear as Linear, Log as Log, ParameterSet as ParameterSet, Tie as Tie
+from ._law_fit import LawComparison as LawComparison, LawFit as LawFit, PeakLine as PeakLine
+from ._report import Supplement as Supplement
+from ._result import Fit as Fit
+from ._run import Run as Run
+from ._solver.levenberg_marquardt import BoundedLevenbergMarquardt as BoundedLevenbergMarquardt
+from ._uncertainty.covariance import Uncertainty as Uncertainty
+from ._uncertainty.next_stimulus import Candidate as Candidate
+from ._uncertainty.posterior import Posterior as Posterior
+from ._uncertainty.profile import Profile as Profile

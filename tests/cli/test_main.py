@@ -1,0 +1,197 @@
+"""The command line as a whole: light help, exit statuses, mistakes told from faults, Ctrl-C."""
+
+import importlib
+import re
+import signal
+import subprocess
+import sys
+from importlib.metadata import version
+
+import pytest
+
+import lgmd2jax as lgmd
+from lgmd2jax._video.clip_files import FORMS
+from lgmd2jax.alarms import load_labels
+from lgmd2jax.cli import export as command, main
+from lgmd2jax.cli.main import _COMMANDS
+from lgmd2jax.cli.options import stimuli as stimuli_options
+
+NAMES = [each.__name__.rpartition(".")[2] for each in _COMMANDS]
+
+
+def in_a_process(program):
+    return subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+
+
+def test_help_and_version_load_nothing_heavy():
+    program = f"""
+import sys
+from lgmd2jax.cli import main
+for line in (["--help"], ["--version"], ["fit"], *([name, "--help"] for name in {NAMES})):
+    try:
+        main(line)
+    except SystemExit as end:
+        assert end.code == (2 if line == ["fit"] else 0), line
+assert not {{"jax", "numpy", "tqdm", "matplotlib"}} & set(sys.modules), set(sys.modules)
+"""
+    process = in_a_process(program)
+    assert process.returncode == 0, process.stderr
+    assert f"\nlgmd2jax {version('lgmd2jax')}\n" in process.stdout
+
+
+def test_the_module_of_a_command_has_its_name():
+    for name in NAMES:
+        assert callable(importlib.import_module(f"lgmd2jax.cli.{name}").run)
+
+
+def test_the_forms_of_a_clip_are_those_that_are_written():
+    assert set(stimuli_options.FORMS) == set(FORMS)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_help_fits_a_screen_and_its_examples_are_of_this_command(name, capsys):
+    with pytest.raises(SystemExit, match="0"):
+        main([name, "--help"])
+    text = capsys.readouterr().out
+    examples = text.partition("examples:\n")[2].partition("\n\n")[0]
+    assert re.findall(r"^  lgmd2jax (\w+)", examples, re.MULTILINE)
+    assert set(re.findall(r"^  lgmd2jax (\w+)", examples, re.MULTILINE)) == {name}
+    assert max(map(len, text.splitlines())) <= 120
+
+
+LOADERS = {"fit": lgmd.load_recipe, "sweep": lgmd.load_recipe, "stimuli": lgmd.load_protocol, "watch": load_labels}
+
+
+@pytest.mark.parametrize("name", LOADERS)
+def test_the_file_that_help_shows_loads(name, tmp_path, capsys):
+    with pytest.raises(SystemExit, match="0"):
+        main([name, "--help"])
+    (content,) = re.findall(r"^A .*\bfile.*:\n((?:  .*\n)+)", capsys.readouterr().out, flags=re.MULTILINE)
+    (tmp_path / "mine.toml").write_text(content.replace("mine-stimuli.toml", "lgmd2"))
+    (tmp_path / "crash.mp4").touch()
+    assert LOADERS[name](tmp_path / "mine.toml").name == "mine"
+
+
+# Flags
+
+
+def test_xla_is_told_before_jax_begins_to_load(tmp_path):
+    program = f"""
+import os, sys
+os.environ.pop("XLA_FLAGS", None)
+
+class Witness:
+    def find_spec(name, *_):
+        if name == "jax":
+            print("XLA_FLAGS", os.environ.get("XLA_FLAGS"))
+
+sys.meta_path.insert(0, Witness)
+from lgmd2jax.cli import main
+raise SystemExit(main(["export", "preset:lgmd2", "--python", {str(tmp_path)!r}]))
+"""
+    process = in_a_process(program)
+    assert process.returncode == 0, process.stderr
+    assert process.stdout.startswith("XLA_FLAGS --xla_backend_extra_options=")
+
+
+# Errors
+
+
+def runs(monkeypatch, body):
+    """Let `export` run a line as if it stood in the library, which is what its module's name says."""
+    place = {"__name__": "lgmd2jax.made_up"}
+    exec("import contextlib, jax, jax.numpy as jnp, numpy as np\ndef run(options):\n " + body, place)
+    monkeypatch.setattr(command, "run", place["run"])
+
+
+EXPORT = ["export", "preset:lgmd2", "--python", "robot"]
+REFUSALS = {
+    "a line of ours": "raise ValueError('k is -1;\\n give more')",
+    "from another error": "\n try:\n  int('one')\n except ValueError as error:\n"
+    "  raise ValueError('k is -1; give more') from error",
+    "through with": "\n with contextlib.ExitStack() as stack:\n  stack.callback(print)\n"
+    "  raise ValueError('k is -1; give more')",
+    "under jit": "\n @jax.jit\n def f(x):\n  raise ValueError('k is -1; give more')\n f(1.0)",
+    "in the files": "raise FileNotFoundError('k is -1; give more')",
+}
+FAULTS = {
+    "Python's own": "int('one')",
+    "of unpacking": "a, b = (1, 2, 3)",
+    "NumPy's": "np.zeros(3).reshape(2)",
+    "JAX's": "jnp.zeros(3).reshape(2)",
+    "JAX's under jit": "jax.jit(lambda x: jnp.zeros(3).reshape(2))(1.0)",
+    "another kind": "{}['k']",
+}
+
+
+@pytest.mark.parametrize("body", REFUSALS.values(), ids=REFUSALS)
+def test_a_mistake_of_the_user_is_its_message_in_one_line(monkeypatch, capsys, body):
+    runs(monkeypatch, body)
+    assert main(EXPORT) == 1
+    assert capsys.readouterr().err == "lgmd2jax: k is -1; give more\n"
+
+
+@pytest.mark.parametrize("body", FAULTS.values(), ids=FAULTS)
+def test_a_fault_of_the_library_is_told_as_one(monkeypatch, capsys, body):
+    runs(monkeypatch, body)
+    assert main(EXPORT) == 70
+    error = capsys.readouterr().err
+    assert re.fullmatch(r"lgmd2jax: internal error, \w+: .+; please report it, with what --traceback shows\n", error)
+
+
+@pytest.mark.parametrize("line", [["--traceback", *EXPORT], [*EXPORT, "--traceback"]])
+@pytest.mark.parametrize(("body", "status"), [("raise ValueError('mine')", 1), ("int('one')", 70)])
+def test_traceback_shows_where(monkeypatch, capsys, line, body, status):
+    runs(monkeypatch, body)
+    assert main(line) == status
+    first, *_, last = capsys.readouterr().err.splitlines()
+    assert first == "Traceback (most recent call last):"
+    assert last.startswith("lgmd2jax: ")
+
+
+def test_the_library_itself_is_told_from_what_it_calls(tmp_path, capsys):
+    """The same by real lines of it: a preset that is none, and a file that the system refuses to open."""
+    assert main(["export", "preset:lgm2", "--python", str(tmp_path)]) == 1
+    assert main(["predict", str(tmp_path), "looming", "-o", str(tmp_path / "a.csv")]) == 1
+    assert "internal error" not in capsys.readouterr().err
+
+
+# Ctrl-C
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals are for POSIX systems")
+@pytest.mark.parametrize("module", ["numpy", "numpy._core.multiarray", "jaxlib._jax", "equinox", "lgmd2jax.hard"])
+def test_ctrl_c_while_modules_load_is_one_line(module, tmp_path):
+    """Amid the set-up of an extension module an exception would be lost or crash the process."""
+    program = f"""
+import os, signal, sys
+
+class Hand:
+    def find_spec(name, *_):
+        if name == {module!r}:
+            os.kill(os.getpid(), signal.SIGINT)
+
+from lgmd2jax.cli import main
+sys.meta_path.insert(0, Hand)
+sys.argv = ["lgmd2jax", "export", "preset:lgmd2", "--python", {str(tmp_path / "robot")!r}]
+raise SystemExit(main())
+"""
+    process = in_a_process(program)
+    assert (process.returncode, process.stderr) == (130, "lgmd2jax: stopped; nothing was written\n")
+    assert not (tmp_path / "robot").exists()
+
+
+def test_ctrl_c_in_a_command_is_one_line_and_leaves_the_handler(monkeypatch, capsys):
+    before = signal.getsignal(signal.SIGINT)
+    runs(monkeypatch, "raise KeyboardInterrupt")
+    monkeypatch.setattr(sys, "argv", ["lgmd2jax", *EXPORT])
+    assert main() == 130
+    assert capsys.readouterr().err == "lgmd2jax: stopped; nothing was written\n"
+    assert signal.getsignal(signal.SIGINT) is before
+
+
+def test_it_runs_as_a_module(tmp_path):
+    line = [sys.executable, "-m", "lgmd2jax.cli", "--version"]
+    assert (
+        subprocess.run(line, capture_output=True, text=True, check=True).stdout == f"lgmd2jax {version('lgmd2jax')}\n"
+    )
