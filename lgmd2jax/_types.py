@@ -3,6 +3,7 @@
 from typing import TypeVar
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 from jax.core import Tracer
 from jaxtyping import Array, Float, Real
@@ -25,3 +26,8 @@ def is_concrete(*values) -> bool:
 def cast(tree: Tree, dtype) -> Tree:
     """All leaves in this dtype."""
     return jax.tree.map(lambda leaf: leaf.astype(dtype), tree)
+
+
+def unless_nan(source: Float[Array, " *map"], value: Float[Array, " *map"]) -> Float[Array, " *map"]:
+    """The value, and NaN where its source is: a comparison, or XLA's product with one, would hide that."""
+    return jnp.where(jnp.isnan(source), jnp.nan, value)

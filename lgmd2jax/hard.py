@@ -52,7 +52,7 @@ DOMAINS = {
 MECHANISMS = {
     "size": {"T_p": "(0, inf)", "tau_hold": "(0, inf)", "A_ffi": "(0, inf)"},
     "shunt": {"m": "(0, inf)", "gamma": "(0, inf)"},
-    "lag": {"lag": "[0, inf)"},
+    "lag": {"lag": "[0, 80]"},
     "membrane": {"tau_cell": "[0, inf)"},
 }
 EYE = ("rows", "cols", "degrees_per_pixel", "fps", "projection")

@@ -22,3 +22,13 @@ def loom(seed: int = 0, shape: tuple[int, int, int] = (24, 15, 17), dark: bool =
         radius = 9.0 / (grows - min(t, grows) + 1.5) if t > 3 else 0
         frames[t] = np.where(distance <= radius, texture, ground)
     return frames if dark else 255 - frames
+
+
+def patchy(seed: int, shape: tuple[int, int, int]) -> np.ndarray:
+    """In each frame some pixels, or many, take another grey level; the others stay."""
+    generator = np.random.default_rng(seed)
+    frames = np.repeat(generator.uniform(60, 190, (1, *shape[1:])), shape[0], axis=0)
+    for t in range(1, shape[0]):
+        changes = generator.random(shape[1:]) < generator.choice([0.05, 0.3])
+        frames[t] = np.where(changes, generator.uniform(10, 245, shape[1:]), frames[t - 1])
+    return frames

@@ -10,12 +10,13 @@ def logistic(x):
     return 1 / (1 + math.exp(-x)) if x > 0 else math.exp(x) / (1 + math.exp(x))
 
 
-def respond(frames, fps, v, temperature=None, n_p=0, low_pass="backward_euler", N_ts=4):
+def respond(frames, fps, v, temperature=None, n_p=0, low_pass="backward_euler", N_ts=4, mechanisms=(), intervals=None):
     """The channels over time and the S layer, from nested lists of grey levels and a dict of parameters.
 
-    Without a temperature thresholds are hard.
+    Without a temperature thresholds are hard. `intervals`, ms since the frame before, stand in the place of `fps`.
     """
-    rows, cols, ti = len(frames[0]), len(frames[0][0]), 1000 / fps
+    rows, cols = len(frames[0]), len(frames[0][0])
+    intervals = [1000 / fps] * len(frames) if intervals is None else intervals
     pixels = [(x, y) for x in range(rows) for y in range(cols)]
 
     def step(distance, width):
@@ -25,7 +26,27 @@ def respond(frames, fps, v, temperature=None, n_p=0, low_pass="backward_euler", 
         return logistic(distance / (temperature * width))
 
     def coefficient(tau):
+        if tau == 0:
+            return 1.0
         return ti / (ti + tau) if low_pass == "backward_euler" else 1 - math.exp(-ti / tau)
+
+    def changed(d, height):
+        """Whether a pixel counts as changed: 0 or 1, or between them, and then 0 at rest."""
+        if temperature is None:
+            return 1.0 if d > height else 0.0
+        at_rest = step(-height, 0.1 * height)
+        return (step(d - height, 0.1 * height) - at_rest) / (1 - at_rest)
+
+    def lagged(values, t):
+        """The value of `lag` ms before frame t, on a line between frames; 0 before the first one."""
+        moments = [sum(intervals[1 : i + 1]) for i in range(t + 1)]
+        moment = moments[t] - v["lag"]
+        if moment < 0:
+            return 0.0
+        i = max(i for i in range(t + 1) if moments[i] <= moment)
+        if i == t:
+            return values[t]
+        return values[i] + (values[i + 1] - values[i]) * (moment - moments[i]) / (moments[i + 1] - moments[i])
 
     def zeros():
         return [[0.0] * cols for _ in range(rows)]
@@ -42,10 +63,11 @@ def respond(frames, fps, v, temperature=None, n_p=0, low_pass="backward_euler", 
 
     before, history = frames[0], [zeros() for _ in range(n_p)]
     on, off, d_on, d_off = zeros(), zeros(), zeros(), zeros()
-    ffi, u_before, adapted, spikes_before = 0.0, 0.5, 0.5, [0.0] * N_ts
-    out = {name: [] for name in (*CHANNELS, "s", "s_gated", "g", "rise", "unfloored")}
+    held = zeros()
+    ffi, excitation, u_before, adapted, spikes_before = 0.0, 0.0, 0.5, 0.5, [0.0] * N_ts
+    out = {name: [] for name in (*CHANNELS, "f", "s", "s_gated", "g", "rise", "unfloored", "d")}
 
-    for frame in frames:
+    for t, (frame, ti) in enumerate(zip(frames, intervals, strict=True)):
         p = zeros()
         for x, y in pixels:  # eq. 1
             p[x][y] = frame[x][y] - before[x][y]
@@ -71,10 +93,31 @@ def respond(frames, fps, v, temperature=None, n_p=0, low_pass="backward_euler", 
                     g[x][y] += gated[inside(x + i, rows)][inside(y + j, cols)] / 9
         mp = sum(g[x][y] for x, y in pixels)  # eq. 11
 
-        f = sum(abs(p[x][y]) for x, y in pixels) / len(pixels)  # eqs 13, 14
-        ffi += coefficient(v["tau2"]) * (f - ffi)
-        passes = step(v["T_ffi"] - ffi, 0.03 * v["T_ffi"])
-        u = 0.5 + passes * (logistic(abs(mp) / (len(pixels) * v["k"])) - 0.5)  # eq. 12
+        delayed = [[d_on[x][y] + d_off[x][y] for y in range(cols)] for x in range(rows)]
+        if "size" in mechanisms:  # the share of the field that changed of late
+            height = coefficient(v["tau1"]) * v["T_p"]
+            for x, y in pixels:
+                now = changed(delayed[x][y], height)
+                held[x][y] = now + (1 - now) * math.exp(-ti / v["tau_hold"]) * held[x][y]
+            f, threshold = sum(held[x][y] for x, y in pixels) / len(pixels), v["A_ffi"]
+        else:  # eq. 13
+            f, threshold = sum(abs(p[x][y]) for x, y in pixels) / len(pixels), v["T_ffi"]
+        out["mp"].append(mp)
+        out["f"].append(f)
+        if "lag" in mechanisms:
+            mp, f = lagged(out["mp"], t), lagged(out["f"], t)
+
+        ffi += coefficient(v["tau2"]) * (f - ffi)  # eq. 14
+        drive = abs(mp) / (len(pixels) * v["k"])
+        if "shunt" in mechanisms:
+            power = (drive + 1e-3) ** v["gamma"] - 1e-3 ** v["gamma"]
+            x_now = power / (1 + ((ffi + 1e-12) / threshold) ** v["m"])
+            share = coefficient(v["tau_cell"]) if "membrane" in mechanisms else 1.0
+            excitation += share * (x_now - excitation)
+            u = logistic(excitation)
+        else:
+            passes = step(threshold - ffi, 0.03 * threshold)
+            u = 0.5 + passes * (logistic(drive) - 0.5)  # eq. 12
 
         c, rise = v["tau3"] / (v["tau3"] + ti), u - u_before  # eq. 15
         adapts = step(v["T_sfa"] - rise, abs(v["T_sfa"]))
@@ -96,8 +139,8 @@ def respond(frames, fps, v, temperature=None, n_p=0, low_pass="backward_euler", 
         collision = step(sum(window) - (v["N_sp"] - half), 0.1)
 
         for name, value in (
-            ("mp", mp), ("ffi", ffi), ("smp", u), ("smp_adapted", adapted), ("spikes", spikes),
-            ("collision", collision), ("s", s), ("s_gated", gated), ("g", g), ("rise", rise), ("unfloored", unfloored),
+            ("ffi", ffi), ("smp", u), ("smp_adapted", adapted), ("spikes", spikes), ("collision", collision), ("s", s),
+            ("s_gated", gated), ("g", g), ("rise", rise), ("unfloored", unfloored), ("d", delayed),
         ):  # fmt: skip
             out[name].append(value)
     return out

@@ -65,18 +65,27 @@ def ablations(model: AbstractNetwork, *, progress: bool = False) -> dict[str, Ch
     return {name: _result(variant, exam, neuron, progress) for name, variant in variants.items()}
 
 
-def rasters(model: AbstractNetwork, *, finer: bool = True, progress: bool = False) -> dict[str, Characterisation]:
-    """The exam as it is, with all objects moved by half a pixel, and by an eye of 1 degree a pixel and the same field.
+def rasters(
+    model: AbstractNetwork, *, seeds: int = 0, finer: bool = True, progress: bool = False
+) -> dict[str, Characterisation]:
+    """The exam as it is, with all objects moved by half a pixel, in other noise, and by an eye of 1 degree a pixel.
 
     What fills the field, gratings and changes of light, is not moved. A finer eye takes the square as long.
 
-    **Arguments:** `finer`: whether the finer eye is asked too; one that has 1 degree or less a pixel already never is.
+    **Arguments:**
 
-    **Raises:** `ValueError` as for `characterise`.
+    - `seeds`: in how many other draws of noise and texture; of those rows that have any.
+    - `finer`: whether the finer eye, of the same field, is asked too; one that has 1 degree or less a pixel never is.
+
+    **Raises:** `ValueError` as for `characterise`, and for a number of seeds that is none.
     """
+    if not isinstance(seeds, int) or seeds < 0:
+        raise ValueError(f"seeds is {seeds!r}; give a whole number, 0 or more")
     eye, neuron = _usable(model), _neuron(model)
     results = {"as it is": _result(model, exam_of(eye), neuron, progress)}
     results["half a pixel aside"] = _result(model, exam_of(eye, 0.5), neuron, progress)
+    for seed in range(1, seeds + 1):
+        results[f"noise and texture {seed}"] = _result(model, exam_of(eye, seed=seed), neuron, progress)
     pitch = 1 / eye.pixels_per_degree
     if finer and pitch > _FINE:
         rows, cols = (round(size * pitch / _FINE) for size in (eye.rows, eye.cols))

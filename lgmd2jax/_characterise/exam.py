@@ -23,18 +23,19 @@ ExamSums = tuple[Sums, ...]  # MP and F of each group of trials: all that reache
 class Exam:
     """The stimuli for an eye, all or those that are named. Equal exams share what is compiled.
 
-    **Arguments:** `shift`: by which objects stand aside, in pixels, to the right and up.
+    **Arguments:** `shift`: by which objects stand aside, in pixels, to the right and up. `seed`: of noise and texture.
     """
 
     eye: Eye
     shift: float = 0.0
+    seed: int = 0
     only: tuple[str, ...] | None = None
 
     @functools.cached_property
     def groups(self) -> tuple[tuple[Trial, ...], ...]:
         """Trials of equal frame rate and number of frames."""
         groups = {}
-        for trial in all_trials(self.eye, self.shift):
+        for trial in all_trials(self.eye, self.shift, self.seed):
             if self.only is None or trial.name in self.only:
                 groups.setdefault((trial.fps, trial.count), []).append(trial)
         return tuple(tuple(trials) for trials in groups.values())
@@ -61,9 +62,9 @@ class Exam:
 
 
 @functools.lru_cache(maxsize=1)
-def exam_of(eye: Eye, shift: float = 0.0) -> Exam:
+def exam_of(eye: Eye, shift: float = 0.0, seed: int = 0) -> Exam:
     """The whole exam; the last one is kept with its frames, some 300 MB at 48 x 64, for the next model."""
-    return Exam(eye, shift)
+    return Exam(eye, shift, seed)
 
 
 def sums_of(exam: Exam, model: AbstractNetwork, progress: bool = False) -> ExamSums:

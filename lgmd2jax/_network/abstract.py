@@ -19,7 +19,7 @@ from lgmd2jax._network.parameter_set import ParameterSet, check_domains, declare
 from lgmd2jax._network.stages import AbstractCell, AbstractPixels, Interval, Record, Response, Sums
 from lgmd2jax._network.structure import structure_fields
 from lgmd2jax._network.thresholds import Thresholds
-from lgmd2jax._types import Number, cast, is_concrete
+from lgmd2jax._types import Number, cast, is_concrete, unless_nan
 
 Neuron = Literal["LGMD2", "LGMD1"]
 
@@ -141,6 +141,8 @@ class AbstractNetwork(eqx.Module):
         if len(frames) < 2:
             count = "one frame" if len(frames) else "0 frames"
             raise ValueError(f"frames holds {count}; the network sees changes, so give at least 2")
+        if is_concrete(frames) and 0 < jnp.ptp(frames) <= jnp.max(frames) <= 1:
+            warnings.warn("frames lie in 0..1; were grey levels in 0..255 meant? Multiply by 255", stacklevel=2)
         lasts = self._interval(fps, interval, (len(frames),))
         check_domains(self.parameters)
         self._check_conflicts()
@@ -199,7 +201,7 @@ class AbstractNetwork(eqx.Module):
         **Arguments:** `interval` in ms, one or one a frame; `pixels` of a frame.
         """
         cell = self._cell_for(sums.mp)
-        return cell.over(*cast((sums, interval), cell.parameters.dtype), pixels)
+        return _nan_as(sums, cell.over(*cast((sums, interval), cell.parameters.dtype), pixels))
 
     def _cell_for(self, pixels: Array) -> AbstractCell:
         """The cell in its own precision."""
@@ -269,8 +271,13 @@ def _advance(network: AbstractNetwork, state: State, frame, interval, record) ->
     pixels, cell = _in(network.pixels, frame.dtype), network._cell_for(frame)
     pixel_state, sums, layers = pixels.step(state.pixels, frame, interval.astype(frame.dtype))
     cell_state, response = cell.step(state.cell, *cast((sums, interval), cell.parameters.dtype), frame.size)
-    response = dataclasses.replace(response, recorded=None if record is None else record(layers))
+    response = dataclasses.replace(_nan_as(sums, response), recorded=None if record is None else record(layers))
     return State(pixel_state, cell_state, state.shape), response
+
+
+def _nan_as(sums: Sums, response: Response) -> Response:
+    """The response, NaN where F is: a cell that acts late, or compares, would hide for a while that a frame was NaN."""
+    return jax.tree.map(lambda channel: unless_nan(sums.f, channel), response)
 
 
 def _in(stage: Stage, dtype) -> Stage:

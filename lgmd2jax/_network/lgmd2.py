@@ -14,9 +14,10 @@ from lgmd2jax._network.parameter_set import declared
 from lgmd2jax._network.parameters import Parameters
 from lgmd2jax._network.pixels import Pixels
 from lgmd2jax._network.retina import unstable_persistence
-from lgmd2jax._network.structure import counts, one_of, some_of
+from lgmd2jax._network.structure import counts, one_of, some_of, structure_fields
 from lgmd2jax._network.thresholds import Hard, Thresholds
 
+_SHORTEST_INTERVAL = 2.0  # ms; by a faster clock than this a lag wants an eye that says so
 MECHANISMS = ("size", "shunt", "lag", "membrane")
 ABLATIONS: Mapping[str, Mapping[str, float]] = {
     "ffi": {"T_ffi": 1e9},
@@ -63,6 +64,7 @@ class LGMD2(AbstractNetwork):
     eye: Eye | None = eqx.field(default=None, static=True)
 
     def __check_init__(self):
+        structure_fields(LGMD2)["mechanisms"].check("mechanisms", self.mechanisms)
         if "membrane" in self.mechanisms and "shunt" not in self.mechanisms:
             raise ValueError(f"mechanisms is {self.mechanisms}; a membrane needs the shunt: add 'shunt'")
 
@@ -72,7 +74,8 @@ class LGMD2(AbstractNetwork):
 
     @property
     def cell(self) -> Cell:
-        return Cell(self.parameters, self.thresholds, self.low_pass, self.N_ts, self.mechanisms)
+        shortest = _SHORTEST_INTERVAL if self.eye is None else min(_SHORTEST_INTERVAL, 1000 / self.eye.fps)
+        return Cell(self.parameters, self.thresholds, self.low_pass, self.N_ts, self.mechanisms, shortest)
 
     @property
     def ablations(self) -> Mapping[str, Mapping[str, Any]]:

@@ -1,23 +1,23 @@
 """The lobula: the LGMD cell (eqs 12-17). It sees two numbers a frame, MP and F, and keeps a handful of state."""
 
+import dataclasses
 import math
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-import numpy as np
 from jaxtyping import Array, Float
 
 from lgmd2jax._network.low_pass import LowPass, coefficient, low_pass
+from lgmd2jax._network.parameter_set import declared
 from lgmd2jax._network.parameters import Parameters
 from lgmd2jax._network.retina import magnitude
 from lgmd2jax._network.stages import AbstractCell, Interval, Response, Sums
 from lgmd2jax._network.thresholds import Thresholds
-from lgmd2jax._types import Scalar, is_concrete
+from lgmd2jax._types import Scalar
 
 _SMALL = 1e-3  # of the excitation, at which its power has a finite slope
 _LEAST = 1e-12  # added to Fbar, whose logarithm is then finite
-_LONGEST_LAG, _SHORTEST_INTERVAL = 80.0, 2.0  # ms, for which a stream keeps its past
 
 
 class Past(eqx.Module):
@@ -44,7 +44,8 @@ class CellState(eqx.Module):
 class Cell(AbstractCell):
     """From MP and F to spikes and alarm: lag, inhibition, gate or shunt, membrane, adaptation, spikes.
 
-    `inhibited_from`: the threshold of the inhibition, T_ffi or A_ffi.
+    `inhibited_from`: the threshold of the inhibition, T_ffi or A_ffi. `shortest_interval`: ms, in steps of which a lag
+    is kept.
     """
 
     parameters: Parameters
@@ -52,6 +53,7 @@ class Cell(AbstractCell):
     low_pass: LowPass = eqx.field(static=True)
     N_ts: int = eqx.field(static=True)
     mechanisms: tuple[str, ...] = eqx.field(static=True)
+    shortest_interval: float = eqx.field(static=True)
 
     @property
     def inhibited_from(self) -> Scalar:
@@ -75,14 +77,12 @@ class Cell(AbstractCell):
         return eqx.tree_at(lambda s: s.past, state, past, is_leaf=lambda leaf: leaf is None), _as_seen(response, sums)
 
     def over(self, sums: Sums, interval: Interval, pixels: int) -> Response:
-        """The same for a clip, whose past need not be kept."""
-        if "lag" not in self.mechanisms:
+        """The same for a clip. By a steady clock the past is a shift, which need not be carried along."""
+        if "lag" not in self.mechanisms or interval.ndim:
             return super().over(sums, interval, pixels)
-        time = jnp.cumsum(jnp.broadcast_to(interval, sums.mp.shape))
-        late = Sums(*(jnp.interp(time - self.parameters.lag, time, channel, left=0) for channel in sums))
-        without = tuple(name for name in self.mechanisms if name != "lag")
-        cell = Cell(self.parameters, self.thresholds, self.low_pass, self.N_ts, without)
-        return _as_seen(cell.over(late, interval, pixels), sums)
+        late = Sums(*(_shifted(channel, self.parameters.lag / interval) for channel in sums))
+        without = dataclasses.replace(self, mechanisms=tuple(name for name in self.mechanisms if name != "lag"))
+        return _as_seen(without.over(late, interval, pixels), sums)
 
     def _react(self, state: CellState, sums: Sums, interval: Scalar, pixels: int) -> tuple[CellState, Response]:
         v = self.parameters
@@ -114,10 +114,9 @@ class Cell(AbstractCell):
         return self.thresholds.floor(c * (u + adapts * (state.u_adapted + rise - u)))
 
     def _no_past(self, dtype) -> Past:
-        """Long enough for the lag, where it is known, by a clock of up to 500 frames per second."""
-        lag = self.parameters.lag
-        longest = max(_LONGEST_LAG, float(np.max(lag)) if is_concrete(lag) else 0.0)
-        length = math.ceil(longest / _SHORTEST_INTERVAL) + 2
+        """Long enough for any lag."""
+        _, longest = declared(Parameters)["lag"].limits
+        length = math.ceil(longest / self.shortest_interval) + 2
         nothing = jnp.zeros(length, dtype)
         return Past(jnp.full(length, jnp.inf, dtype), Sums(nothing, nothing))
 
@@ -136,6 +135,15 @@ def shunted(drive: Scalar, ffi: Scalar, threshold: Scalar, m: Scalar, gamma: Sca
     return power * jax.nn.sigmoid(m * (jnp.log(threshold) - jnp.log(ffi + _LEAST)))
 
 
+def _shifted(channel: Float[Array, " time"], frames: Scalar) -> Float[Array, " time"]:
+    """The channel so many frames late, linear between them, 0 before the first one."""
+    whole = jnp.floor(frames)
+    rest, index = frames - whole, jnp.arange(len(channel)) - whole.astype(int)
+    newer, older = (jnp.where(place >= 0, channel[jnp.maximum(place, 0)], 0) for place in (index, index - 1))
+    between = jnp.where(rest > 0, newer + rest * (older - newer), newer)  # NaN stays where it is
+    return jnp.where(index - (rest > 0) < 0, 0, between)
+
+
 def _remembered(past: Past, sums: Sums, interval: Scalar) -> Past:
     """The past one frame later, with the sums of this frame."""
     age = jnp.concatenate([jnp.zeros_like(past.age[:1]), past.age[:-1] + interval])
@@ -143,11 +151,13 @@ def _remembered(past: Past, sums: Sums, interval: Scalar) -> Past:
 
 
 def _delayed(past: Past, lag: Scalar) -> Sums:
-    """The sums of `lag` ms ago, linear between frames, 0 before the first one."""
+    """The sums of `lag` ms ago, linear between frames; 0 before the first one, NaN where they are forgotten."""
     known = jnp.isfinite(past.age)
-    oldest = jnp.max(jnp.where(known, past.age, 0))
+    oldest, beyond = jnp.max(jnp.where(known, past.age, 0)), jnp.where(known[-1], jnp.nan, 0.0)
     age = jnp.where(known, past.age, oldest + 1 + jnp.arange(len(past.age)))
-    return Sums(*(jnp.where(lag > oldest, 0, jnp.interp(lag, age, channel)) for channel in past.sums))
+    return Sums(
+        *(jnp.where(lag > oldest, beyond.astype(channel.dtype), jnp.interp(lag, age, channel)) for channel in past.sums)
+    )
 
 
 def _as_seen(response: Response, sums: Sums) -> Response:

@@ -7,6 +7,7 @@ from jaxtyping import Array, Float
 
 LowPass = Literal["backward_euler", "exact"]
 LOW_PASS_FORMS = get_args(LowPass)
+_INSTANT = 1e-6  # ms, after which nothing is left of the past at any frame rate
 
 
 def coefficient(tau: Float[Array, ""], interval: Float[Array, ""], form: LowPass) -> Float[Array, ""]:
@@ -18,7 +19,7 @@ def coefficient(tau: Float[Array, ""], interval: Float[Array, ""], form: LowPass
     **Arguments:** `tau` and `interval` (ti) in ms.
     """
     if form == "exact":
-        return -jnp.expm1(-interval / tau)
+        return -jnp.expm1(-interval / jnp.maximum(tau, _INSTANT))  # whose slope is finite where tau is 0
     return interval / (interval + tau)
 
 

@@ -1,6 +1,6 @@
 """The medulla: lateral spread, local sums, the S layer, its gate and the G layer (eqs 5-11).
 
-Pure functions of one frame; the delay of eq. 4 is `_low_pass.low_pass`.
+Pure functions of one frame; the delay of eq. 4 is `low_pass.low_pass`.
 """
 
 import jax.numpy as jnp

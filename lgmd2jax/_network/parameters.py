@@ -222,7 +222,7 @@ class Parameters(ParameterSet):
         default=30.0,
         converter=scalar,
         metadata=declares(
-            "time from the photoreceptors to the cell", "ms", "[0, inf)", (0.0, 80.0), _LAG, mechanism="lag"
+            "time from the photoreceptors to the cell", "ms", "[0, 80]", (0.0, 80.0), _LAG, mechanism="lag"
         ),
     )
     tau_cell: Float[Array, ""] = eqx.field(

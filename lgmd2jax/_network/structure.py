@@ -26,7 +26,8 @@ class Structure:
     def check(self, name: str, value) -> None:
         """Raise `ValueError` for a value that makes no sense."""
         if self.several:
-            if not isinstance(value, tuple) or len(set(value)) < len(value) or not set(value) <= set(self.choices):
+            known = isinstance(value, tuple) and all(each in self.choices for each in value)
+            if not known or len(set(value)) < len(value):
                 raise ValueError(f"{name} is {value!r}; give a tuple of {', '.join(map(repr, self.choices))}")
         elif self.least is None:
             if value not in self.choices:

@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from lgmd2jax._network.parameter_set import scalar
-from lgmd2jax._types import Map, Scalar, is_concrete
+from lgmd2jax._types import Map, Scalar, is_concrete, unless_nan
 
 
 class Widths(eqx.Module):
@@ -66,28 +66,28 @@ class Thresholds(eqx.Module):
 
 
 class Hard(Thresholds):
-    """The paper's thresholds. They carry no slope."""
+    """The paper's thresholds. They carry no slope. NaN stays NaN."""
 
     def s(self, s, T_s):
-        return (s >= T_s).astype(s.dtype)
+        return (~(s < T_s)).astype(s.dtype)  # 1 for NaN, by which S stays NaN at the cost of a comparison alone
 
     def change(self, d, height):
-        return (d > height).astype(d.dtype)
+        return unless_nan(d, (d > height).astype(d.dtype))
 
     def ffi(self, ffi, T_ffi):
-        return (ffi <= T_ffi).astype(ffi.dtype)
+        return unless_nan(ffi, (ffi <= T_ffi).astype(ffi.dtype))
 
     def sfa(self, rise, T_sfa):
-        return (rise <= T_sfa).astype(rise.dtype)
+        return unless_nan(rise, (rise <= T_sfa).astype(rise.dtype))
 
     def floor(self, u):
         return jnp.maximum(u, 0.5)
 
     def spikes(self, u, T_sp, sigma_sp):
-        return (u >= T_sp).astype(u.dtype) + (u > T_sp + sigma_sp)
+        return unless_nan(u, (u >= T_sp).astype(u.dtype) + (u > T_sp + sigma_sp))
 
     def collision(self, count, N_sp):
-        return (count >= N_sp).astype(count.dtype)
+        return unless_nan(count, (count >= N_sp).astype(count.dtype))
 
 
 class Soft(Thresholds):

@@ -25,7 +25,8 @@ def ablate(model: AnyNetwork, *mechanisms: str) -> AnyNetwork:
     for mechanism in mechanisms:
         if mechanism not in model.ablations:
             raise ValueError(f"mechanism is {mechanism!r}; choose {nearest(mechanism, model.ablations)}")
-        changes = model.ablations[mechanism]
+    for mechanism in mechanisms:
+        changes = model.ablations.get(mechanism, {})  # none where it left with another one
         values = {
             name: jnp.full_like(getattr(model.parameters, name), value)
             for name, value in changes.items()

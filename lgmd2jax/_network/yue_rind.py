@@ -16,7 +16,7 @@ from lgmd2jax._network.parameter_set import Levels, ParameterSet, declares, scal
 from lgmd2jax._network.stages import AbstractCell, AbstractPixels, Response, Sums
 from lgmd2jax._network.structure import counts
 from lgmd2jax._network.thresholds import Hard, Thresholds
-from lgmd2jax._types import Map, Scalar
+from lgmd2jax._types import Map, Scalar, unless_nan
 
 _SOURCE = "Yue & Rind 2006, the value that public codes agree on; bounds are this project's"
 _PRIOR = "1 in Yue & Rind 2006, who have no such factor; bounds as of the LGMD2"
@@ -179,8 +179,9 @@ class YueRindPixels(AbstractPixels):
         omega = v.Delta_C + jnp.max(retina.magnitude(c_e)) / v.C_omega
         g = s * c_e / omega
         g_kept = g * self.thresholds.s(v.C_de * g, v.T_de)
-        sums = Sums(pool(retina.magnitude(g_kept)), retina.mean_change(state.p))
-        return YueRindPixelState(frame, p), sums, YueRindLayers(p, inhibition, s, c_e, g, g_kept)
+        k = pool(retina.magnitude(g_kept))
+        f = unless_nan(k, retina.mean_change(state.p))  # of the frame before, but NaN in the same
+        return YueRindPixelState(frame, p), Sums(k, f), YueRindLayers(p, inhibition, s, c_e, g, g_kept)
 
 
 class YueRindCellState(eqx.Module):

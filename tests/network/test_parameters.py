@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import lgmd2jax as lgmd
+from tests import clips
 
 TABLE_I = {
     "sigma1": 0.1, "w_bias": 0.3, "T_s": 10, "T_ffi": 10, "T_sfa": 0.001, "sigma_sp": 0.1, "k": 1, "theta1": 0,
@@ -17,7 +18,8 @@ def test_defaults_are_the_papers():
     parameters = lgmd.Parameters()
     for name, value in TABLE_I.items():
         assert getattr(parameters, name) == value
-    assert set(lgmd.symbols()) == {*TABLE_I, "u"}
+    paper = {name for name, symbol in lgmd.symbols().items() if symbol.mechanism is None}
+    assert paper == {*TABLE_I, "u"}
 
 
 def test_every_leaf_is_a_strong_float_scalar():
@@ -80,3 +82,22 @@ def test_repr_names_value_unit_and_meaning():
 def test_presets(name, thetas):
     parameters = lgmd.preset(name)
     assert (parameters.theta1, parameters.theta2, parameters.theta3) == thetas
+
+
+@pytest.mark.parametrize(
+    ("give", "message"),
+    [
+        (lambda: lgmd.Parameters(tau1=0.03), "tau1 is 0.03 ms; was 30 ms meant, given in seconds?"),
+        (lambda: lgmd.Eye(5, 6, 2.0, 1 / 60), "fps is 0.01667; were 60 frames per second meant"),
+        (lambda: lgmd.LGMD2()(clips.loom(0, (6, 5, 7)) / 255, 30.0), "frames lie in 0..1; were grey levels"),
+    ],
+)
+def test_what_is_hardly_meant_in_this_unit_gets_a_warning(give, message):
+    with pytest.warns(UserWarning, match=message.replace("?", "[?]")):
+        give()
+
+
+def test_what_is_meant_gets_none():
+    lgmd.Parameters(tau1=1.0, tau_cell=0.0, lag=0.0)
+    lgmd.LGMD2()(np.zeros((4, 5, 6)), 30.0)
+    lgmd.Eye(5, 6, 2.0, 1.0)

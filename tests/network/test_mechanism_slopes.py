@@ -1,0 +1,109 @@
+"""Derivatives with respect to the parameters of the optional mechanisms."""
+
+import dataclasses
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import lgmd2jax as lgmd
+from tests import oracle
+from tests.network.test_mechanisms import EVERY, FRAMES, PARAMETERS, values
+from tests.network.test_sensitivity import assert_close, maps_carried, plain
+
+NAMES = list(lgmd.symbols())
+CLIP = jnp.asarray(FRAMES)
+
+
+def channels(parameters, model):
+    response = dataclasses.replace(model, parameters=parameters)(CLIP, 30.0)
+    return jnp.stack([getattr(response, channel) for channel in oracle.CHANNELS])
+
+
+def in_factors(factors, model):
+    """The channels with each parameter times its factor; a lag of 37 ms is 1.11 frames."""
+    return channels(lgmd.Parameters(**{name: values()[name] * factors[i] for i, name in enumerate(NAMES)}), model)
+
+
+@pytest.mark.parametrize(
+    ("structure", "mechanisms"),
+    [
+        ({"n_p": 1, "low_pass": "exact"}, EVERY),
+        ({}, ("size", "lag")),
+        pytest.param({}, EVERY, marks=pytest.mark.slow),
+    ],
+    ids=str,
+)
+def test_equals_central_differences(structure, mechanisms):
+    model = lgmd.LGMD2(PARAMETERS, lgmd.Soft(1.0), mechanisms=mechanisms, **structure)
+    ones, step = np.ones(len(NAMES)), 2e-5
+    shifts = step * np.concatenate([np.eye(len(NAMES)) * by for by in (1, -1, 0.5, -0.5)])
+    run = jax.jit(jax.vmap(lambda factors: in_factors(factors, model)))
+    above, below, near_above, near_below = np.split(np.asarray(run(jnp.asarray(ones + shifts))), 4)
+    coarse, fine = (above - below) / (2 * step), (near_above - near_below) / step
+    expected = np.moveaxis((4 * fine - coarse) / 3, 0, -1)
+    for mode in (jax.jacfwd, jax.jacrev):
+        slopes = np.asarray(jax.jit(mode(lambda factors: in_factors(factors, model)))(jnp.asarray(ones)))
+        for channel, found, wanted in zip(oracle.CHANNELS, slopes, expected, strict=True):
+            np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-6 * np.abs(wanted).max(), err_msg=channel)
+
+
+def sums_by_parameters(rule, thresholds, **structure):
+    def run(parameters):
+        model = lgmd.LGMD2(parameters, thresholds, mechanisms=("size",), **structure)
+        return rule(model, CLIP, jnp.asarray(1000 / 30))
+
+    return jax.jit(jax.jacfwd(run))(PARAMETERS)
+
+
+@pytest.mark.parametrize(
+    ("thresholds", "structure"),
+    [
+        (lgmd.Soft(0.5), {"n_p": 2, "low_pass": "exact"}),
+        (lgmd.StraightThrough(0.5), {}),
+        pytest.param(lgmd.Soft(0.5), {}, marks=pytest.mark.slow),
+        pytest.param(lgmd.StraightThrough(0.5), {"n_p": 2, "low_pass": "exact"}, marks=pytest.mark.slow),
+        pytest.param(lgmd.Hard(), {"n_p": 1}, marks=pytest.mark.slow),
+    ],
+    ids=lambda of: str(of) if isinstance(of, dict) else type(of).__name__,
+)
+def test_the_exact_sensitivities_are_the_plain_ones(thresholds, structure):
+    found = sums_by_parameters(lambda model, *clip: model.sums(*clip)[0], thresholds, **structure)
+    assert_close(found, sums_by_parameters(plain, thresholds, **structure))
+    if not isinstance(thresholds, lgmd.Hard):
+        of_f = {name for name in NAMES if np.any(getattr(found.f, name))}
+        assert of_f == {"tau1", "sigma1", "T_p", "tau_hold"} | ({"u"} if structure.get("n_p") else set())
+
+
+def test_the_fast_scan_is_the_plain_one():
+    for thresholds in (lgmd.Hard(), lgmd.Soft(0.5)):
+        model = lgmd.LGMD2(PARAMETERS, thresholds, n_p=1, mechanisms=("size",))
+        interval = jnp.asarray(1000 / 30)
+        assert_close(model.sums(CLIP, interval)[0], plain(model, CLIP, interval), 1e-12)
+
+
+def test_only_what_is_perturbed_and_remembers_carries_maps():
+    """M is held without a border, so the clip is so large here that a map of either kind counts as one."""
+    frames, n_p, own = jnp.zeros((3, 70, 80)), 2, 10  # ON, OFF, D_on, D_off, M, two of P, three to lay borders onto
+    more = {"tau1": 3, "sigma1": 5, "u": 5 + n_p, "T_p": 1, "tau_hold": 1}
+    for name in (*more, "theta2", "A_ffi", "m", "lag", "tau_cell"):
+
+        def response(value, name=name):
+            parameters = dataclasses.replace(PARAMETERS, **{name: value})
+            model = lgmd.LGMD2(parameters, lgmd.Soft(0.5), n_p=n_p, mechanisms=EVERY)
+            return model(frames, 30.0).smp_adapted
+
+        carried = maps_carried(jax.jacfwd(response), getattr(PARAMETERS, name), size=70 * 80)
+        assert carried == own + more.get(name, 0), name
+
+
+@pytest.mark.parametrize("form", ["backward_euler", "exact"])
+@pytest.mark.parametrize(("name", "value"), [("tau_cell", 0.0), ("lag", 0.0), ("lag", 1000 / 30)])
+def test_finite_at_the_ends_of_the_domain(name, value, form):
+    def run(value):
+        parameters = dataclasses.replace(PARAMETERS, **{name: value})
+        return channels(parameters, lgmd.LGMD2(thresholds=lgmd.Soft(), low_pass=form, mechanisms=EVERY))
+
+    assert np.all(np.isfinite(jax.jacfwd(run)(jnp.asarray(value))))
+    assert np.all(np.isfinite(jax.jacrev(run)(jnp.asarray(value))))
