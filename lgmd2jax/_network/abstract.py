@@ -248,7 +248,6 @@ class AbstractNetwork(eqx.Module):
         return response
 
 
-Network = AbstractNetwork
 AnyNetwork = TypeVar("AnyNetwork", bound=AbstractNetwork)
 Stage = TypeVar("Stage", bound=AbstractPixels | AbstractCell)
 

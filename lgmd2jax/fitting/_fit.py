@@ -1,6 +1,7 @@
 """The fit: screening on two levels, descents from the best, the choice by the model's own loss, the uncertainty."""
 
 import dataclasses
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from functools import partial
 from itertools import pairwise
@@ -12,12 +13,11 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from lgmd2jax._compute.tasks import Memory, Result, Work
-from lgmd2jax._network.abstract import Network
+from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.thresholds import Hard, Soft, StraightThrough
 from lgmd2jax._targets.observation import Observation, observation_symbols
-from lgmd2jax._targets.target import Target
 from lgmd2jax._words import nearest
-from lgmd2jax.fitting._conditions import AnyCondition, render
+from lgmd2jax.fitting._conditions import AnyCondition, Rendered, render
 from lgmd2jax.fitting._curve import Curve, curve_of
 from lgmd2jax.fitting._free import Free
 from lgmd2jax.fitting._problem import Curves, Problem, chi2_residuals, problem_of
@@ -30,17 +30,15 @@ from lgmd2jax.fitting._starts import CurveStarts
 from lgmd2jax.fitting._uncertainty.covariance import Uncertainty, prediction_band, uncertainty
 from lgmd2jax.fitting._uncertainty.jacobian import Sensitivity, sensitivity
 from lgmd2jax.fitting._uncertainty.linearity import nonlinear_parameters
-from lgmd2jax.stimuli import Stimulus
 
 if TYPE_CHECKING:
     from distributed import Client
 
-Pairs = Sequence[tuple[Stimulus, Sequence[Target]]]
 _APART = 0.02  # in the unit box; starts closer to a better one are not descended
 
 
 def fit(
-    model: Network,
+    model: AbstractNetwork,
     conditions: Sequence[AnyCondition],
     free: Free,
     *,
@@ -160,12 +158,13 @@ def fit(
             "seed": list(search.seed),
             "data": int(problem.known().sum()) - problem.priors,
             "num_steps": sum(run.steps for run in runs),
+            "rules": _rules(pairs),
         },
         problem=problem,
     )
 
 
-def _temperatures(model: Network, temperatures) -> tuple[float, ...]:
+def _temperatures(model: AbstractNetwork, temperatures) -> tuple[float, ...]:
     if temperatures is None:
         own = model.thresholds
         temperatures = [own.temperature] if isinstance(own, Soft | StraightThrough) else TEMPERATURES
@@ -177,7 +176,7 @@ def _temperatures(model: Network, temperatures) -> tuple[float, ...]:
     return temperatures
 
 
-def _check(pairs: list[tuple[Stimulus, list[Target]]], free: Free, loss: str, counts: dict[str, int]) -> None:
+def _check(pairs: Sequence[Rendered], free: Free, loss: str, counts: dict[str, int]) -> None:
     if loss not in LOSSES:
         raise ValueError(f"loss is {loss!r}; choose {nearest(loss, LOSSES)}")
     check_counts(counts, at_least=1)
@@ -209,6 +208,11 @@ def _not_run(point: Result) -> Run:
     return Run(z, z, loss, loss, float("inf"), (), STOPPED)
 
 
+def _rules(pairs: Sequence[Rendered]) -> dict[str, int]:
+    """How samples are counted and errors arose, where that is not plain, and of how many targets."""
+    return dict(Counter(rule for _, targets in pairs for target in targets for rule in target.rules))
+
+
 def _uncertainty(problem: Problem, z: Float[np.ndarray, " free"], slopes: Sensitivity, absolute: bool) -> Uncertainty:
     free, rows = problem.free, problem.known()
     return uncertainty(
@@ -228,10 +232,12 @@ def _uncertainty(problem: Problem, z: Float[np.ndarray, " free"], slopes: Sensit
 def _hard_curves(problem: Problem, z: Float[Array, " free"]) -> Curves:
     model, observation = problem.at(z)
     hard = dataclasses.replace(model, thresholds=Hard())
-    return problem.curves(hard, observation, problem.potentials(hard))
+    return problem.curves(hard, observation, problem.sums(hard))
 
 
-def _curves(problem: Problem, pairs: Pairs, slopes: Sensitivity, hard: Curves, u: Uncertainty) -> tuple[Curve, ...]:
+def _curves(
+    problem: Problem, pairs: Sequence[Rendered], slopes: Sensitivity, hard: Curves, u: Uncertainty
+) -> tuple[Curve, ...]:
     """A curve for every target, in the order of the conditions."""
     curves = []
     for (stimulus, targets), places in zip(pairs, problem.places, strict=True):

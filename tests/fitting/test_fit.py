@@ -8,7 +8,7 @@ import optimistix as optx
 import pytest
 
 import lgmd2jax as lgmd
-from lgmd2jax._targets.target import Channel
+from lgmd2jax._channels import Channel
 from lgmd2jax.fitting import _problem
 from lgmd2jax.fitting._search import search as _search
 

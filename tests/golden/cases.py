@@ -247,7 +247,9 @@ def batches() -> Outputs:
     return found | of_response(together, "sets: ")
 
 
-def streamed(model: lgmd.Network, frames: np.ndarray, intervals: Iterable[float] | None, record: Any = None) -> Outputs:
+def streamed(
+    model: lgmd.AbstractNetwork, frames: np.ndarray, intervals: Iterable[float] | None, record: Any = None
+) -> Outputs:
     """A clip, a frame at a time."""
     state, answers = model.init(frames[0]), []
     for frame, interval in zip(frames, intervals or [None] * len(frames), strict=True):

@@ -29,8 +29,11 @@ LAST_OF_NINE_DIGITS = 2e-8
 SUPERSEDED = {
     "model_files": ("/keys",),  # version 2 names its network
     "fit_hard": ("confidence",),  # was always .95
-    "fit_soft_and_its_files": ("confidence",),
+    # Widths of mechanisms that came later, version 2 of the model, and the rules of samples and errors.
+    "fit_soft_and_its_files": ("confidence", "/widths/keys", "model.json/keys", "/stats/keys"),
     "files_of_version_1": ("confidence",),
+    # The error over few animals is drawn towards the Poisson error; values further apart than the frames count once.
+    "targets": ("trains: sem", "interpolated: weight"),
     "response_tables": ("without repeats.csv", "Yue & Rind.csv", "from a file.csv"),  # clips are scaled by area means
 }
 
