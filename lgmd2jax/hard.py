@@ -334,7 +334,8 @@ def read_any(path) -> dict:
         for name in ("parameters", "mechanisms", "structure", "provenance", "calibration"):
             if not isinstance(content[name], dict):
                 raise ValueError(f"{name} is {content[name]!r}; give values by name")
-        for name, values in content["mechanisms"].items():
+        mechanisms: Any = content["mechanisms"]
+        for name, values in mechanisms.items():
             if not isinstance(values, dict):
                 raise ValueError(f"mechanism {name} is {values!r}; give values by name")
         _check_eye(content["eye"])

@@ -10,19 +10,20 @@ from typing import Any
 import jax
 import numpy as np
 
+from lgmd2jax._characterise import characterise
 from lgmd2jax._files.catalogue import beside
-from lgmd2jax._network.lgmd2 import LGMD2
+from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._protocol.arguments import check_keys, section
 from lgmd2jax._protocol.protocol import load_protocol
 from lgmd2jax._targets.observation import Observation, observation_symbols
 from lgmd2jax.fitting import Fit, Free, fit
 from lgmd2jax.fitting._conditions import Rendered, render
 from lgmd2jax.fitting._law_fit import check_approaches
-from lgmd2jax.fitting._sections import free_of, model_of
+from lgmd2jax.fitting._sections import free_of, network_of
 from lgmd2jax.fitting._validation import leave_one_out
 
 _KEYS = ("protocol", "kind", "preset", "temperature", "parameters", "structure", "observation", "free", "solver")
-_KEYS += ("uncertainty", "validation", "truth")
+_KEYS += ("uncertainty", "validation", "truth", "network", "choice")
 # What `fit` takes as plain numbers; its key comes from the seed.
 _SOLVER = ("pixel_points", "cell_points", "descend", "temperatures", "max_steps", "loss", "seed")
 
@@ -36,11 +37,12 @@ class Recipe:
     - `leave_one_out`: whether to fit anew without each condition and to predict it.
     - `looming_law`: whether to hold the fit against eta, fitted to the same rates.
     - `truth`: the values that are known to be right, of a twin.
+    - `properties`: whether to hand over, of the candidates, the one that holds most of the 22 response properties.
     - `table`: the file's content.
     """
 
     name: str
-    model: LGMD2
+    model: AbstractNetwork
     observation: Observation
     free: Free
     pairs: tuple[Rendered, ...]
@@ -51,6 +53,7 @@ class Recipe:
     leave_one_out: bool
     looming_law: bool
     truth: Mapping[str, float]
+    properties: bool
     table: Mapping[str, Any]
 
     @property
@@ -70,6 +73,7 @@ class Recipe:
             absolute_errors=self.absolute_errors,
             progress=progress,
             memory=memory,
+            choose=_properties_held if self.properties else None,
             **settings,
         )
 
@@ -87,6 +91,10 @@ class Recipe:
         return digest.hexdigest()
 
 
+def _properties_held(model: AbstractNetwork) -> float:
+    return float(characterise(model).passed)
+
+
 def fit_recipe(path: Path, table: dict[str, Any]) -> Recipe:
     """The recipe of a fit to curves that a TOML file holds, its stimuli rendered.
 
@@ -99,6 +107,9 @@ def fit_recipe(path: Path, table: dict[str, Any]) -> Recipe:
     uncertainty, validation = section(table, "uncertainty"), section(table, "validation")
     check_keys(uncertainty, ("absolute_errors", "profile", "samples"))
     check_keys(validation, ("leave_one_out", "looming_law"))
+    properties = section(table, "choice", ("properties",)).get("properties", False)
+    if not isinstance(properties, bool):
+        raise ValueError(f"properties is {properties!r}; give true or false")
     free = free_of(table)
     profile, truth = tuple(uncertainty.get("profile", ())), section(table, "truth")
     for name in (*profile, *truth):
@@ -110,7 +121,7 @@ def fit_recipe(path: Path, table: dict[str, Any]) -> Recipe:
         check_approaches(pairs)
     return Recipe(
         name=path.stem,
-        model=model_of(table, protocol.conditions[0].eye),
+        model=network_of(table, protocol.conditions[0].eye),
         observation=Observation(**section(table, "observation", observation_symbols())),
         free=free,
         pairs=pairs,
@@ -121,5 +132,6 @@ def fit_recipe(path: Path, table: dict[str, Any]) -> Recipe:
         leave_one_out=validation.get("leave_one_out", False),
         looming_law=validation.get("looming_law", False),
         truth=truth,
+        properties=properties,
         table=table,
     )

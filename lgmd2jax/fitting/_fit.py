@@ -2,10 +2,10 @@
 
 import dataclasses
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -34,6 +34,7 @@ from lgmd2jax.fitting._uncertainty.linearity import nonlinear_parameters
 if TYPE_CHECKING:
     from distributed import Client
 
+_SHARES = (0.25, 0.5, 0.75, 1.0)  # of the way from the start to the end of a descent, among which a score chooses
 _APART = 0.02  # in the unit box; starts closer to a better one are not descended
 
 
@@ -56,6 +57,7 @@ def fit(
     progress: bool = False,
     memory: Memory | None = None,
     client: "Client | None" = None,
+    choose: Callable[[AbstractNetwork], float] | None = None,
 ) -> Fit:
     """Fit a model's free parameters to target curves.
 
@@ -82,6 +84,9 @@ def fit(
     - `progress`: show a bar with the best loss so far.
     - `memory`: a mapping that keeps finished work; given again, the fit goes on from there.
     - `client`: of a Dask cluster, on whose workers the starts are spread instead of on the cores here.
+    - `choose`: what else a model must do, as a score that is higher for a better one. Of the start, the ends of the
+      descents and points between, the model with the highest score is the result, of equals the one with the least
+      loss. Without it the least loss decides.
 
     On Ctrl-C the best so far is returned; its `result` says so. Before the first start is finished the
     `KeyboardInterrupt` goes on to the caller. Fits want float64: `jax_enable_x64`.
@@ -90,6 +95,7 @@ def fit(
     than independent samples, for a prior beside targets without errors, and for settings that make no sense.
     """
     pairs, observation, free = render(conditions), observation or Observation(), free.of(type(model.parameters))
+    free.check_used_by(model)
     temperatures = _temperatures(model, temperatures)
     counts = {"pixel_points": pixel_points, "cell_points": cell_points, "descend": descend, "max_steps": max_steps}
     _check(pairs, free, loss, counts)
@@ -129,7 +135,9 @@ def fit(
         raise RuntimeError(f"the fit did not converge: {result}; see fit(..., throw=False)")
 
     # All that is known of the best point: its curves, and how well they determine it.
-    z = np.array(runs[0].z)
+    z, value, choice = np.array(runs[0].z), runs[0].loss, {}
+    if choose is not None and not stopped:
+        z, value, choice = _chosen(problem, start, runs, choose)
     slopes = sensitivity(problem, jnp.asarray(z), jnp.asarray(temperatures[-1], dtype=float))
     if absolute_errors is None:
         absolute_errors = all(target.has_error for _, targets in pairs for target in targets)
@@ -141,7 +149,7 @@ def fit(
         free=free,
         z=z,
         start={freedom.name: float(freedom.value(at)) for freedom, at in zip(free.freedoms, start, strict=True)},
-        loss=runs[0].loss,
+        loss=value,
         soft_loss=0.5 * float(jnp.square(slopes.residuals).sum()),
         temperatures=temperatures,
         uncertainty=u,
@@ -158,6 +166,7 @@ def fit(
             "seed": list(search.seed),
             "data": int(problem.known().sum()) - problem.priors,
             "num_steps": sum(run.steps for run in runs),
+            **choice,
             "rules": _rules(pairs),
         },
         problem=problem,
@@ -201,6 +210,26 @@ def _apart(screened: Mapping[int, Result], count: int) -> list[int]:
         if len(chosen) == count:
             break
     return chosen
+
+
+def _chosen(
+    problem: Problem, start: Float[np.ndarray, " free"], runs: Sequence[Run], choose: Callable[[AbstractNetwork], float]
+) -> tuple[Float[np.ndarray, " free"], float, dict[str, Any]]:
+    """The candidate with the highest score, its loss, and what the choice was between."""
+    ends = [np.array(run.z) for run in runs]
+    candidates = [start, *(start + share * (end - start) for end in ends for share in _SHARES)]
+    losses = [float(_hard_loss(problem, jnp.asarray(z))) for z in candidates]
+    scores = [float(choose(problem.at(z)[0])) for z in candidates]
+    best = max(range(len(candidates)), key=lambda i: (scores[i], -losses[i]))
+    least = int(np.argmin(losses))
+    choice = {"candidates": len(candidates), "score": scores[best]}
+    choice |= {"least_loss": losses[least], "score_of_least_loss": scores[least]}
+    return candidates[best], losses[best], {"choice": choice}
+
+
+@eqx.filter_jit
+def _hard_loss(problem: Problem, z: Float[Array, " free"]) -> Float[Array, ""]:
+    return 0.5 * jnp.square(problem.residuals(z, None)).sum()
 
 
 def _not_run(point: Result) -> Run:

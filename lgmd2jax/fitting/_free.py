@@ -10,6 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.parameters import Parameters, ParameterSet, Symbol, symbols
 from lgmd2jax._targets.observation import Observation, observation_symbols
 from lgmd2jax._words import nearest
@@ -121,6 +122,12 @@ class Free:
         free._resolve(self._choices, kind)
         return free
 
+    def check_used_by(self, network: AbstractNetwork) -> None:
+        """Raise `ValueError` for a free or tied parameter that acts on nothing in this network."""
+        for name in (*self.names, *self.ties):
+            if name in network.unused:
+                raise ValueError(f"{name} is free, but acts on nothing in this {type(network).__name__}; {_cure(name)}")
+
     def also(self, **choices: "tuple[float | int, float | int] | _Range | Tie | None") -> "Free":
         """These and further choices.
 
@@ -205,6 +212,13 @@ def _replaced(owner: Any, values: Mapping[str, Array], known) -> Any:
     # In the dtype that the leaf has: another one would compile anew.
     leaves = [values[name].astype(jnp.asarray(getattr(owner, name)).dtype) for name in names]
     return eqx.tree_at(lambda tree: [getattr(tree, name) for name in names], owner, leaves)
+
+
+def _cure(name: str) -> str:
+    mechanism = symbols()[name].mechanism if name in symbols() else None
+    if mechanism is not None:
+        return f"add {mechanism!r} to its mechanisms, or fix the parameter"
+    return "fix the parameter"
 
 
 def _kinds() -> Iterator[type[ParameterSet]]:

@@ -162,6 +162,12 @@ class Fit:
     def remarks(self) -> list[str]:
         """What a reader must know before trusting the numbers, a sentence each."""
         remarks = []
+        if choice := self.stats.get("choice"):
+            remarks.append(
+                f"Of {choice['candidates']} candidates this one was chosen for its score of {choice['score']:g}; the "
+                f"least loss is {choice['least_loss']:.4g}, with a score of {choice['score_of_least_loss']:g}. Errors "
+                "and intervals are those of the curves alone, near the chosen point."
+            )
         if self.result not in FINAL:
             remarks.append(f"The last descent did not converge: {self.result}.")
         sides = zip(self.values.items(), self.uncertainty.on_bound, strict=True)

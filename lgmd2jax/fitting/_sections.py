@@ -4,14 +4,16 @@ from collections.abc import Mapping
 from typing import Any
 
 from lgmd2jax._eye import Eye
+from lgmd2jax._handover.networks import NETWORKS
+from lgmd2jax._network.abstract import AbstractNetwork, parameters_of
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._network.parameters import preset, symbols
-from lgmd2jax._network.thresholds import Hard, Soft
+from lgmd2jax._network.structure import structure_fields
+from lgmd2jax._network.thresholds import Hard, Soft, Thresholds
 from lgmd2jax._protocol.arguments import check_keys, section
 from lgmd2jax._targets.observation import observation_symbols
+from lgmd2jax._words import nearest
 from lgmd2jax.fitting._free import RANGES, Free, Linear, Log, Tie
-
-_STRUCTURE = ("n_p", "low_pass", "N_ts")
 
 
 def free_of(table: Mapping[str, Any]) -> Free:
@@ -19,11 +21,34 @@ def free_of(table: Mapping[str, Any]) -> Free:
     return Free(**{name: _choice(name, limits) for name, limits in section(table, "free").items()})
 
 
+def network_of(table: Mapping[str, Any], eye: Eye) -> AbstractNetwork:
+    """The model that network, preset, [parameters] and [structure] name; without a network an LGMD2."""
+    name = table.get("network", LGMD2.__name__)
+    if name == LGMD2.__name__:
+        return model_of(table, eye)
+    if name not in NETWORKS:
+        raise ValueError(f"network is {name!r}; choose {nearest(str(name), NETWORKS)}")
+    if "preset" in table:
+        raise ValueError(f"preset is for the LGMD2; write the parameters of a {name} in [parameters]")
+    kind: Any = NETWORKS[name]
+    values = section(table, "parameters", symbols(parameters_of(kind)))
+    return kind(parameters_of(kind)(**values), _thresholds_of(table), eye=eye, **_structure_of(table, kind))
+
+
 def model_of(table: Mapping[str, Any], eye: Eye) -> LGMD2:
-    """The model that preset, [parameters] and [structure] name."""
+    """The LGMD2 that preset, [parameters] and [structure] name."""
     parameters = preset(table.get("preset", "lgmd2"), **section(table, "parameters", symbols()))
-    thresholds = Soft(table["temperature"]) if "temperature" in table else Hard()
-    return LGMD2(parameters, thresholds, eye=eye, **section(table, "structure", _STRUCTURE))
+    return LGMD2(parameters, _thresholds_of(table), eye=eye, **_structure_of(table, LGMD2))
+
+
+def _thresholds_of(table: Mapping[str, Any]) -> Thresholds:
+    return Soft(table["temperature"]) if "temperature" in table else Hard()
+
+
+def _structure_of(table: Mapping[str, Any], kind: type[AbstractNetwork]) -> dict[str, Any]:
+    """Lists, as TOML has them, are tuples."""
+    values = section(table, "structure", structure_fields(kind))
+    return {name: tuple(value) if isinstance(value, list) else value for name, value in values.items()}
 
 
 def _choice(name: str, limits: Any) -> Linear | Log | Tie | None:
