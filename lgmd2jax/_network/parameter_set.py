@@ -142,7 +142,7 @@ class ParameterSet(eqx.Module):
         check_domains(self)
         for name, symbol in declared(type(self)).items():
             value = getattr(self, name)
-            if symbol.unit == "ms" and is_concrete(value) and 0 < value < 1:
+            if symbol.unit == "ms" and is_concrete(value) and 0 < float(value) < 1:
                 warnings.warn(
                     f"{name} is {value:.4g} ms; was {1000 * value:.4g} ms meant, given in seconds?", stacklevel=5
                 )
