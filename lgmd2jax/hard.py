@@ -56,6 +56,7 @@ MECHANISMS = {
     "membrane": {"tau_cell": "[0, inf)"},
 }
 EYE = ("rows", "cols", "degrees_per_pixel", "fps", "projection")
+MOST_FRAMES = 10000  # of persistence or of a window; more would only fill the memory
 TEST_VECTOR = ("fps", "tolerance", "frames", "response")
 
 
@@ -142,16 +143,22 @@ class HardLGMD2:
         **Arguments:** `frame` of (row, col) in grey levels 0..255; `interval` in ms since the last frame, by default
         1000/fps.
 
-        **Raises:** `ValueError` for a frame of the wrong shape or not finite; the state stays as it was.
+        **Raises:** `ValueError` for a frame of the wrong shape or not finite, and for an interval that is not positive;
+        the state stays as it was.
         """
-        frame = np.array(frame, dtype=float)  # before any difference: uint8 3 - 5 is 254; a copy: buffers are refilled
+        try:
+            frame = np.array(
+                frame, dtype=float
+            )  # before any difference: uint8 3 - 5 is 254; a copy: buffers are refilled
+        except (TypeError, ValueError, OverflowError):
+            raise ValueError(f"frame is a {type(frame).__name__}; give an array of grey levels (row, col)") from None
         self._check_frame(frame)
         if interval is None:
             if self.fps is None:
                 raise ValueError("the model has no frame rate; give the interval since the last frame in ms")
             interval = 1000 / self.fps
-        if not (math.isfinite(interval) and interval > 0):
-            raise ValueError(f"interval is {interval}; give a positive number of ms")
+        if not _is_positive(interval):
+            raise ValueError(f"interval is {interval!r}; give a positive number of ms")
         if self._luminance is None:
             self._start(frame)
         s, f = self._pixels(frame, interval)
@@ -277,6 +284,9 @@ def read(path) -> dict:
         if content["network"] != NETWORK:
             raise ValueError(f"its network is {content['network']!r}; this program runs the {NETWORK} alone")
         _check_parameters(content["parameters"], DOMAINS)
+        for name in content["parameters"]:
+            if name not in DOMAINS:
+                raise ValueError(f"parameter {name} belongs to a mechanism; give it there")
         _check_tables(content["mechanisms"])
         _check_structure(content["structure"])
         vector = content["test_vector"]
@@ -310,19 +320,23 @@ def read_any(path) -> dict:
         version = content.get("version")
         if isinstance(version, bool) or version not in (1, VERSION):
             raise ValueError(f"its version is {version!r}, this program reads 1 and {VERSION}; update it")
-        if version == 1:
-            content = {"network": NETWORK, **content}
-        names = ("network", "parameters", "structure", "eye", "provenance", "test_vector")
+        later = ("mechanisms", "calibration") if version > 1 else ()
+        names = (("network",) if version > 1 else ()) + ("parameters", "structure", "eye", "provenance", "test_vector")
         for name in names:
             if name not in content:
                 raise ValueError(f"{name} is missing")
+        for name in content:
+            if name not in ("format", "version", *names, *later):
+                raise ValueError(f"{name} is unknown; there are {', '.join(('format', 'version', *names, *later))}")
+        content = dict({"network": NETWORK, "mechanisms": {}, "calibration": {}}, **content)
         if not isinstance(content["network"], str):
             raise ValueError(f"its network is {content['network']!r}; give the name of one")
-        optional = ("format", "version", "mechanisms", "calibration") if version > 1 else ("format", "version")
-        for name in content:
-            if name not in names + optional:
-                raise ValueError(f"{name} is unknown; there are {', '.join(names + optional)}")
-        content.setdefault("mechanisms", {})
+        for name in ("parameters", "mechanisms", "structure", "provenance", "calibration"):
+            if not isinstance(content[name], dict):
+                raise ValueError(f"{name} is {content[name]!r}; give values by name")
+        for name, values in content["mechanisms"].items():
+            if not isinstance(values, dict):
+                raise ValueError(f"mechanism {name} is {values!r}; give values by name")
         _check_eye(content["eye"])
         _check_test_vector(content["test_vector"], content["eye"])
     except ValueError as error:
@@ -397,8 +411,8 @@ def _check_structure(structure):
     if not isinstance(structure, dict) or set(structure) != {"n_p", "low_pass", "N_ts"}:
         raise ValueError(f"structure is {structure!r}; give n_p, low_pass and N_ts")
     for name in ("n_p", "N_ts"):
-        if type(structure[name]) is not int or structure[name] < 0:
-            raise ValueError(f"{name} is {structure[name]!r}; give a whole number of frames, 0 or more")
+        if type(structure[name]) is not int or not 0 <= structure[name] <= MOST_FRAMES:
+            raise ValueError(f"{name} is {structure[name]!r}; give a whole number of frames, 0 to {MOST_FRAMES}")
     if structure["low_pass"] not in ("backward_euler", "exact"):
         raise ValueError(f"low_pass is {structure['low_pass']!r}; give 'backward_euler' or 'exact'")
 

@@ -2,9 +2,9 @@
 
 import dataclasses
 import json
-import math
 import os
 import re
+import sys
 from collections.abc import Mapping
 from importlib.metadata import version
 from typing import Any
@@ -142,11 +142,13 @@ def _built(kind: type[AbstractNetwork], content: Mapping[str, Any]) -> AbstractN
         if name not in values and symbol.mechanism in (None, *mechanisms):
             raise ValueError(f"parameter {name} is missing")
         value = values.get(name, 0.0)
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+        if isinstance(value, bool) or not isinstance(value, (int, float)) or not abs(value) <= sys.float_info.max:
             raise ValueError(f"parameter {name} is {value!r}; give a number")
     structure = dict(content["structure"])
     if "mechanisms" in structure_fields(kind):
         structure["mechanisms"] = tuple(mechanisms)
+    elif mechanisms:
+        raise ValueError(f"mechanism {next(iter(mechanisms))} is unknown; a {kind.__name__} has none")
     parameters: Any = parameters_of(kind)
     build: Any = kind
     return build(parameters(**{name: float(value) for name, value in values.items()}), eye=eye, **structure)
@@ -154,7 +156,7 @@ def _built(kind: type[AbstractNetwork], content: Mapping[str, Any]) -> AbstractN
 
 def _plain(provenance):
     for name, value in provenance.items():
-        number = isinstance(value, (int, float)) and math.isfinite(value)
+        number = isinstance(value, (int, float)) and abs(value) <= sys.float_info.max
         if name == "program" or not isinstance(name, str) or not (isinstance(value, str) or number):
             raise ValueError(
                 f"provenance has {name!r}: {value!r}; give names other than 'program', "

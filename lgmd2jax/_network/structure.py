@@ -8,6 +8,8 @@ import equinox as eqx
 
 from lgmd2jax._words import nearest
 
+_MOST = 10_000  # of what counts; more would only fill the memory
+
 
 @dataclasses.dataclass(frozen=True)
 class Structure:
@@ -32,8 +34,8 @@ class Structure:
         elif self.least is None:
             if value not in self.choices:
                 raise ValueError(f"{name} is {value!r}; choose {nearest(value, self.choices)}")
-        elif not isinstance(value, int) or isinstance(value, bool) or value < self.least:
-            raise ValueError(f"{name} is {value!r}; give a whole number of {self.unit}, {self.least} or more")
+        elif not isinstance(value, int) or isinstance(value, bool) or not self.least <= value <= _MOST:
+            raise ValueError(f"{name} is {value!r}; give a whole number of {self.unit}, {self.least} to {_MOST}")
 
 
 def counts(default: int, unit: str, least: int, at_interval: Callable[[int, float], int] | None = None):

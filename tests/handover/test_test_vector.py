@@ -1,7 +1,9 @@
 """The test vector of a hand-over file: right programs pass, wrong ones do not, whatever the parameters."""
 
+import functools
 import json
 import math
+import operator
 import os
 import subprocess
 import sys
@@ -27,8 +29,16 @@ DCMD = lgmd.LGMD2(
     ),
     eye=lgmd.Eye(40, 56, 2.0, 60.0),
 )
+CODED = {"theta1": 0.5, "theta3": 0.002, "k": 1.0, "T_p": 40.0, "tau_hold": 90.0, "A_ffi": 0.2}
+EVERY = lgmd.LGMD2(
+    lgmd.Parameters(**CODED, m=3.0, gamma=0.9, lag=37.0, tau_cell=15.0, T_sp=0.7, sigma_sp=0.08),
+    mechanisms=("size", "shunt", "lag", "membrane"),
+)
+SIZE = lgmd.LGMD2(lgmd.Parameters(**CODED), low_pass="exact", mechanisms=("size",))
 MODELS = {
     "rich": RICH,
+    "every mechanism": EVERY,
+    "size": SIZE,
     "dcmd": DCMD,
     **{name: lgmd.LGMD2(lgmd.preset(name)) for name in lgmd.PRESETS},
     **{name: lgmd.ablate(lgmd.LGMD2(), name) for name in ("ffi", "sfa")},
@@ -39,7 +49,7 @@ MODELS = {
     "two spikes at the ceiling": lgmd.LGMD2(lgmd.Parameters(T_sp=0.9, sigma_sp=0.1, k=1e-3, tau3=1e9)),
     "overflow": lgmd.LGMD2(lgmd.Parameters(theta2=1e306)),
 }
-ALL_BRANCHES = ("rich", "dcmd", *lgmd.PRESETS)
+ALL_BRANCHES = ("rich", "size", "dcmd", *lgmd.PRESETS)
 
 
 @pytest.fixture(scope="session")
@@ -77,8 +87,11 @@ def test_right_programs_pass_whatever_the_parameters(path):
     expected = hard.Response(**vector["response"])
     frames = np.array(vector["frames"], np.uint8)
     model = lgmd.load(path)
+    mechanisms = content.get("mechanisms", {})
+    values = content["parameters"] | {name: value for own in mechanisms.values() for name, value in own.items()}
+    structure = content["structure"] | {"mechanisms": tuple(mechanisms)}
     responses = [
-        oracle.respond(vector["frames"], vector["fps"], content["parameters"], **content["structure"]),
+        oracle.respond(vector["frames"], vector["fps"], values, **structure),
         vars(model(frames, vector["fps"])),
     ]
     if path.stem != "overflow":
@@ -100,7 +113,7 @@ def test_every_branch_is_exercised(path):
     v, s = model.parameters, np.asarray(response.recorded)
     assert (s >= v.T_s).any()
     assert ((s > 0) & (s < v.T_s)).any()
-    open_gate = np.asarray(response.ffi <= v.T_ffi)
+    open_gate = np.asarray(response.ffi <= (v.A_ffi if "size" in model.mechanisms else v.T_ffi))
     excited = np.asarray(response.mp) > 1
     assert (open_gate & excited).any()
     assert (~open_gate & excited).any()
@@ -132,7 +145,7 @@ WRONG_EQUATIONS = [
     ("np.concatenate((d[:1], d, d[-1:]))", 'np.pad(d, ((1, 1), (0, 0)), "wrap")'),
     ("/ 8 - d / 2", "/ 8"),
     ("(f - self._ffi)", "f"),
-    ('if self._ffi <= v["T_ffi"] else 0.5', ""),
+    ("if self._ffi <= threshold else 0.5", ""),
     ("(pixels * v", "(v"),
     ('c = v["tau3"] / (v["tau3"] + interval)', 'c = math.exp(-interval / v["tau3"])'),
     ('if rise <= v["T_sfa"]', 'if rise >= v["T_sfa"]'),
@@ -147,8 +160,31 @@ WRONG_EQUATIONS = [
 ]
 
 
-@pytest.mark.parametrize(("right", "wrong"), WRONG_EQUATIONS)
-@pytest.mark.parametrize("path", ["rich"], indirect=True)
+WRONG_MECHANISMS = [
+    ("self._d_on + self._d_off >", "self._d_on >"),
+    ('> a * v["T_p"]', '> v["T_p"]'),
+    ('math.exp(-interval / v["tau_hold"]) * self._held', '(1 - interval / v["tau_hold"]) * self._held'),
+    ("np.where(changed, 1.0, ", "np.where(changed, 1.0 + self._held, "),
+    ("self._held.mean()", "changed.mean()"),
+    ('v["A_ffi"] if "size" in self.mechanisms else v["T_ffi"]', 'v["T_ffi"]'),
+    ('v["m"] * (math.log(threshold)', "(math.log(threshold)"),
+    ('(drive + 1e-3) ** v["gamma"]', "drive + 1e-3"),
+    ('- 1e-3 ** v["gamma"])', ")"),
+    ("(f - self._ffi)", "(f - self._ffi) if f > self._ffi else 0.0"),
+    ("newer = sum(age < lag for age in ages)", "newer = sum(age + interval < lag for age in ages)"),
+    ("(age + interval, *sums)", "(age + interval - 1, *sums)"),
+    ("float(np.interp(lag, ages[: newer + 1], channel))", "channel[newer]"),
+    ('v["tau_cell"], interval) * (excitation - self._excitation)', 'v["tau_cell"], interval) * excitation'),
+    ("            self._excitation = excitation\n", ""),
+    ("return Response(mp, self._ffi", "return Response(late, self._ffi"),
+]
+
+
+@pytest.mark.parametrize(
+    ("path", "right", "wrong"),
+    [("rich", *each) for each in WRONG_EQUATIONS] + [("every mechanism", *each) for each in WRONG_MECHANISMS],
+    indirect=["path"],
+)
 def test_a_program_with_a_wrong_equation_refuses_the_file(path, right, wrong):
     source = Path(hard.__file__).read_text()
     assert source.count(right) == 1
@@ -159,18 +195,20 @@ def test_a_program_with_a_wrong_equation_refuses_the_file(path, right, wrong):
 
 
 @pytest.mark.parametrize("load", [hard.load, lgmd.load])
-@pytest.mark.parametrize("path", ["rich"], indirect=True)
+@pytest.mark.parametrize("path", ["rich", "every mechanism"], indirect=True)
 def test_a_wrong_parameter_is_refused(path, load):
     """Where it is off by 1 %, a threshold by a quarter; T_sfa, to which few frames come close, where it is tenfold."""
-    thresholds = dict.fromkeys(("T_s", "T_ffi", "T_sp", "sigma_sp", "N_sp"), 1.25)
-    factors = dict.fromkeys(hard.DOMAINS, 1.01) | thresholds | {"T_sfa": 10.0}
-    for name, factor in factors.items():
-        for scale in (factor,) if name == "T_sfa" else (factor, 1 / factor):
+    content, unused = json.loads(path.read_text()), MODELS[path.stem].unused
+    thresholds = dict.fromkeys(("T_s", "T_ffi", "T_p", "T_sp", "sigma_sp", "N_sp"), 1.25) | {"T_sfa": 10.0}
+    for table in (["parameters"], *(["mechanisms", name] for name in content.get("mechanisms", {}))):
+        for name in set(functools.reduce(operator.getitem, table, content)) - unused:
+            factor = thresholds.get(name, 1.01)
+            for scale in (factor,) if name == "T_sfa" else (factor, 1 / factor):
 
-            def spoil(content, name=name, scale=scale):
-                content["parameters"][name] *= scale
+                def spoil(content, table=table, name=name, scale=scale):
+                    functools.reduce(operator.getitem, table, content)[name] *= scale
 
-            assert "its test vector does not come out" in refusal(load, path, spoil), (name, scale)
+                assert "its test vector does not come out" in refusal(load, path, spoil), (name, scale)
 
 
 @pytest.mark.parametrize("load", [hard.load, lgmd.load])

@@ -18,8 +18,12 @@ def test_defaults_are_the_papers():
     parameters = lgmd.Parameters()
     for name, value in TABLE_I.items():
         assert getattr(parameters, name) == value
-    paper = {name for name, symbol in lgmd.symbols().items() if symbol.mechanism is None}
-    assert paper == {*TABLE_I, "u"}
+    of_the_paper = {name for name, symbol in lgmd.symbols().items() if symbol.mechanism is None}
+    assert of_the_paper == {*TABLE_I, "u"}
+
+
+def test_every_mechanism_has_parameters_of_its_own():
+    assert {symbol.mechanism for symbol in lgmd.symbols().values()} == {None, *lgmd.MECHANISMS}
 
 
 def test_every_leaf_is_a_strong_float_scalar():

@@ -36,7 +36,6 @@ from tests.oracle import CHANNELS
         (lambda it: lgmd.YueRindParameters(T_sp=0.4), r"T_sp is 0.4; it must lie in \(0.5, 1\)"),
         (lambda it: lgmd.YueRindLGMD1(lgmd.YueRindParameters(u=-50.0)), "stable"),
         (lambda it: lgmd.ablate(it, "sfa"), "mechanism is 'sfa'; choose"),
-        (lambda it: lgmd.save(it, "model.json"), "a YueRindLGMD1; a hand-over file"),
         (lambda it: lgmd.characterise(it), "no eye"),
         (lambda it: with_parameters(it, ["tau1=3"]), "parameter is 'tau1'; choose"),
     ],
@@ -125,7 +124,7 @@ def test_commands_take_it_by_name(tmp_path, monkeypatch, capsys):
     assert float(asked[0].parameters.T_de) == pytest.approx(4.5)
 
     assert main(["export", "preset:yue_rind", "--python", str(tmp_path / "robot")]) == 1
-    assert "hold an LGMD2" in capsys.readouterr().err
+    assert "hard.py runs the LGMD2 alone" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []
 
     assert main(["characterise", "preset:yue"]) == 1
