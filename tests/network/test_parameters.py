@@ -103,15 +103,14 @@ def test_what_is_hardly_meant_in_this_unit_gets_a_warning(give, message):
 
 def test_the_warning_looks_at_values_and_traces_nothing():
     """A clip and a parameter that a traced function closes over are known, and may be looked at."""
-    clip, tau1 = jnp.asarray(clips.loom(0, (6, 5, 7)) / 255), jnp.asarray(0.03)
+    clip, tau1 = jnp.asarray(clips.loom(0, (6, 5, 7)) / 255), jnp.asarray(0.03, dtype=float)
 
     @jax.jit
     def peak(theta2):
         return lgmd.LGMD2(lgmd.Parameters(theta2=theta2, tau1=tau1))(clip, 30.0).smp.max()
 
-    with pytest.warns(UserWarning, match="given in seconds") as warned:
+    with pytest.warns(UserWarning, match="frames lie in 0..1"), pytest.warns(UserWarning, match="tau1 is 0.03 ms"):
         peak(2.0)
-    assert any("frames lie in 0..1" in str(warning.message) for warning in warned)
 
 
 def test_what_is_meant_gets_none():
