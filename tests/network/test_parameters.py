@@ -101,6 +101,18 @@ def test_what_is_hardly_meant_in_this_unit_gets_a_warning(give, message):
         give()
 
 
+def test_the_warning_looks_at_values_and_traces_nothing():
+    """A clip and a parameter that a traced function closes over are known, and may be looked at."""
+    clip, tau1 = jnp.asarray(clips.loom(0, (6, 5, 7)) / 255), jnp.asarray(0.03, dtype=float)
+
+    @jax.jit
+    def peak(theta2):
+        return lgmd.LGMD2(lgmd.Parameters(theta2=theta2, tau1=tau1))(clip, 30.0).smp.max()
+
+    with pytest.warns(UserWarning, match="frames lie in 0..1"), pytest.warns(UserWarning, match="tau1 is 0.03 ms"):
+        peak(2.0)
+
+
 def test_what_is_meant_gets_none():
     lgmd.Parameters(tau1=1.0, tau_cell=0.0, lag=0.0)
     lgmd.LGMD2()(np.zeros((4, 5, 6)), 30.0)
