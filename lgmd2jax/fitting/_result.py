@@ -177,7 +177,7 @@ class Fit:
         for curve in self.curves:
             if not curve.met:
                 remarks.append(
-                    f"{curve.condition}, {curve.channel}: the model cannot meet this target and misses it by "
+                    f"{curve.condition}, {curve.channel}: the model does not meet this target and misses it by "
                     f"{curve.rmse():.3g} (r.m.s.) at the best fit."
                 )
             if curve.gap > DISAGREEMENT:

@@ -138,13 +138,13 @@ def network(name: str, eye: lgmd.Eye) -> lgmd.AbstractNetwork:
 
 
 def _fitted(eye: lgmd.Eye) -> lgmd.AbstractNetwork:
-    """The shipped fit, taken to another frame rate and field of view: k and T_ffi go as one by the field's area."""
+    """The shipped fit, taken to another frame rate and field of view: k and A_ffi go as one by the field's area."""
     own, home = lgmd.load_fit("lgmd2").model, next(iter(conditions("lgmd2").values())).eye
     share = np.prod(home.field_of_view) / np.prod(eye.field_of_view)
     scaled = lgmd.at_frame_rate(own, eye.fps)
     p = scaled.parameters
     return dataclasses.replace(
-        scaled, eye=None, parameters=dataclasses.replace(p, k=share * p.k, T_ffi=share * p.T_ffi)
+        scaled, eye=None, parameters=dataclasses.replace(p, k=share * p.k, A_ffi=share * p.A_ffi)
     )
 
 

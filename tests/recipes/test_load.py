@@ -143,3 +143,23 @@ def test_what_is_no_condition_is_refused(wrong, message, untyped):
 def test_a_condition_says_at_once_what_is_wrong(family, parameters, message):
     with pytest.raises(ValueError, match=message):
         lgmd.Condition("c", EYE, family, parameters)
+
+
+def test_a_recipe_names_its_network_and_its_mechanisms(folder):
+    (folder / "other.toml").write_text(
+        'network = "YueRindLGMD1"\n'
+        + FIT.replace("k = {}", "W_I = {}")
+        + "[parameters]\nW_I = 0.4\n[structure]\nN_sp = 3\n"
+    )
+    recipe = lgmd.load_recipe(folder / "other.toml")
+    assert isinstance(recipe, lgmd.Recipe)
+    assert isinstance(recipe.model, lgmd.YueRindLGMD1)
+    assert (float(recipe.model.parameters.W_I), recipe.model.N_sp) == (pytest.approx(0.4), 3)
+    (folder / "size.toml").write_text(FIT + '[structure]\nmechanisms = ["size", "shunt"]\n')
+    recipe = lgmd.load_recipe(folder / "size.toml")
+    assert isinstance(recipe, lgmd.Recipe)
+    assert isinstance(recipe.model, lgmd.LGMD2)
+    assert recipe.model.mechanisms == ("size", "shunt")
+    (folder / "none.toml").write_text('network = "LGMD3"\n' + FIT)
+    with pytest.raises(ValueError, match="network is 'LGMD3'; choose 'LGMD2' or"):
+        lgmd.load_recipe(folder / "none.toml")
