@@ -92,7 +92,7 @@ def test_a_lag_by_a_steady_clock(lag):
     model = lgmd.LGMD2(dataclasses.replace(PARAMETERS, lag=jnp.asarray(lag)), mechanisms=("lag",))
     expected = oracle.respond(FRAMES.tolist(), 30.0, values(lag=lag), mechanisms=("lag",))
     assert_equal(vars(model(FRAMES, 30.0)), expected)
-    assert_equal(streamed(model, FRAMES, [1000 / 30] * len(FRAMES)), expected)
+    assert_equal(streamed(model, FRAMES, np.full(len(FRAMES), 1000 / 30)), expected)
     assert_equal(as_hard(values(lag=lag), ("lag",))(FRAMES, 30.0)._asdict(), expected)
 
 
