@@ -328,7 +328,8 @@ def read_any(path) -> dict:
         for name in content:
             if name not in ("format", "version", *names, *later):
                 raise ValueError(f"{name} is unknown; there are {', '.join(('format', 'version', *names, *later))}")
-        content = dict({"network": NETWORK, "mechanisms": {}, "calibration": {}}, **content)
+        for name, absent in (("network", NETWORK), ("mechanisms", {}), ("calibration", {})):
+            content.setdefault(name, absent)
         if not isinstance(content["network"], str):
             raise ValueError(f"its network is {content['network']!r}; give the name of one")
         for name in ("parameters", "mechanisms", "structure", "provenance", "calibration"):

@@ -7,6 +7,7 @@ import pathlib
 import shutil
 import subprocess
 import sys
+from typing import Any
 
 import numpy as np
 import pytest
@@ -94,7 +95,8 @@ def test_an_interval_that_is_none_is_refused(path, interval):
     with pytest.raises(ValueError, match="interval is"):
         model.step(FRAMES[1], interval)
     assert model.step(FRAMES[1]) == twin.step(FRAMES[1])
-    assert model.step(FRAMES[2], float(np.float32(20))) == twin.step(FRAMES[2], 20.0)
+    single: Any = np.float32(20)
+    assert model.step(FRAMES[2], single) == twin.step(FRAMES[2], 20.0)
 
 
 @pytest.mark.usefixtures("untyped")

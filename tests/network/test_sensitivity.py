@@ -119,10 +119,10 @@ def test_with_record():
     np.testing.assert_allclose(s.theta2, s_off, rtol=1e-10)
 
 
-@pytest.mark.slow
-def test_second_derivatives():
-    names = (*LOCAL, "tau1", "sigma1", "u")
-
+@pytest.mark.parametrize(
+    "names", [("T_s", "tau1"), pytest.param((*LOCAL, "tau1", "sigma1", "u"), marks=pytest.mark.slow)], ids=len
+)
+def test_second_derivatives(names):
     def hessian(potentials):
         def loss(values):
             parameters = eqx.tree_at(lambda p: [getattr(p, name) for name in names], PARAMETERS, list(values))
@@ -141,6 +141,18 @@ def item(tree, i):
 
 
 BATCH = jnp.stack([jnp.asarray(clips.loom(seed, (8, 5, 6))) for seed in range(3)])
+
+
+def test_under_vmap():
+    """Of each of two sets with a clip of its own, and of one set over both clips."""
+    batch, slope = BATCH[:2], jax.jacfwd(of_parameters(exact))
+    sets = jax.vmap(lambda tau1: lgmd.Parameters(theta2=1.3, tau1=tau1))(jnp.array([10.0, 40.0]))
+    together = jax.jit(jax.vmap(slope))(sets, batch)
+    over_clips = jax.jit(jax.vmap(slope, in_axes=(None, 0)))(PARAMETERS, batch)
+    plainly = jax.jit(jax.jacfwd(of_parameters(plain)))
+    for i, frames in enumerate(batch):
+        assert_close(item(together, i), plainly(item(sets, i), frames))
+        assert_close(item(over_clips, i), plainly(PARAMETERS, frames))
 
 
 @pytest.mark.slow
@@ -229,24 +241,23 @@ def test_the_jacobian_is_computed_once_for_all_tangents():
         assert bool(batched_map.search(jaxpr)) == batches
 
 
-@pytest.mark.slow
-def test_memory_does_not_grow_with_the_frames():
-    def growth(potentials):
-        """Temporary memory of the gradient for one more frame, in frames."""
+@pytest.mark.parametrize(
+    ("rule", "n_p"), [("exact", 0), *(pytest.param(rule, 1, marks=pytest.mark.slow) for rule in ("exact", "plain"))]
+)
+def test_memory_does_not_grow_with_the_frames(rule, n_p):
+    """Temporary memory of the compiled gradient for one more frame, in frames."""
 
-        def loss(parameters, frames):
-            return of_parameters(potentials, n_p=1)(parameters, frames)[0].sum()
+    def loss(parameters, frames):
+        return of_parameters({"exact": exact, "plain": plain}[rule], n_p=n_p)(parameters, frames)[0].sum()
 
-        def temporary(time):
-            frames = jax.ShapeDtypeStruct((time, 40, 50), jnp.float64)
-            analysis = jax.jit(jax.grad(loss)).lower(PARAMETERS, frames).compile().memory_analysis()
-            assert analysis is not None
-            return analysis.temp_size_in_bytes
+    def temporary(time):
+        frames = jax.ShapeDtypeStruct((time, 40, 50), jnp.float64)
+        analysis = jax.jit(jax.grad(loss)).lower(PARAMETERS, frames).compile().memory_analysis()
+        assert analysis is not None
+        return analysis.temp_size_in_bytes
 
-        return (temporary(110) - temporary(10)) / 100 / (40 * 50 * 8)
-
-    assert growth(plain) > 1
-    assert growth(exact) < 0.05
+    growth = (temporary(110) - temporary(10)) / 100 / (40 * 50 * 8)
+    assert growth < 0.05 if rule == "exact" else growth > 1
 
 
 def spread(x):
