@@ -349,9 +349,9 @@ def read_any(path) -> dict:
 def prove(response: Response, vector: Mapping) -> None:
     """Raise `ValueError` where a response is not the one that a test vector states."""
     expected = Response(**vector["response"])
-    found = first_difference(response, expected, vector["tolerance"])
-    if found is not None:
-        t, name = found
+    difference = first_difference(response, expected, vector["tolerance"])
+    if difference is not None:
+        t, name = difference
         value, wanted = float(getattr(response, name)[t]), getattr(expected, name)[t]
         raise ValueError(
             f"its test vector does not come out: {name} of frame {t} is {value:.9g}, not {wanted:.9g}; "

@@ -142,7 +142,8 @@ class ParameterSet(eqx.Module):
         check_domains(self)
         for name, symbol in declared(type(self)).items():
             value = getattr(self, name)
-            if symbol.unit == "ms" and is_concrete(value) and 0 < (ms := float(value)) < 1:
+            # Still less is meant to be no delay at all.
+            if symbol.unit == "ms" and is_concrete(value) and 1e-3 <= (ms := float(value)) < 1:
                 warnings.warn(f"{name} is {ms:.4g} ms; was {1000 * ms:.4g} ms meant, given in seconds?", stacklevel=5)
 
     def __repr__(self):
