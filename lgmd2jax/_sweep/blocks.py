@@ -70,7 +70,7 @@ class Plan:
         return {name: np.asarray(lane)[:count].reshape(*shape, *lane.shape[1:]) for name, lane in results.items()}
 
 
-def plan(grid: Grid, channels: tuple[str, ...], block: int | None) -> Plan:
+def plan_blocks(grid: Grid, channels: tuple[str, ...], block: int | None) -> Plan:
     """Cut a grid into blocks of at most `block` conditions, by default as many as take about a second.
 
     **Raises:** `ValueError` for a block that is not a positive whole number.

@@ -8,7 +8,7 @@ from tqdm import tqdm
 
 from lgmd2jax._eye import Eye
 from lgmd2jax._sweep.axes import Models, read_grid
-from lgmd2jax._sweep.blocks import plan
+from lgmd2jax._sweep.blocks import plan_blocks
 from lgmd2jax._sweep.cluster import spread
 from lgmd2jax._sweep.responses import check_channels
 from lgmd2jax._sweep.store import Memory, Store, need
@@ -67,7 +67,7 @@ def sweep(
     """
     need("xarray", extra="sweep")
     grid = read_grid(model, renderer, eye, parameters, arguments)
-    blocks = plan(grid, check_channels(channels), block)
+    blocks = plan_blocks(grid, check_channels(channels), block)
     results = Memory(blocks) if store is None else Store(blocks, store)
     left = results.missing()
     total = sum(blocks.size(number) for number in blocks.numbers())

@@ -27,8 +27,8 @@ from lgmd2jax.fitting._run import Run
 from lgmd2jax.fitting._search.descent import FINAL, STOPPED, Solver
 from lgmd2jax.fitting._search.search import TEMPERATURES, Search, check_counts
 from lgmd2jax.fitting._starts import CurveStarts
-from lgmd2jax.fitting._uncertainty.covariance import Uncertainty, prediction_band, uncertainty
-from lgmd2jax.fitting._uncertainty.jacobian import Sensitivity, sensitivity
+from lgmd2jax.fitting._uncertainty.covariance import Uncertainty, linearised_uncertainty, prediction_band
+from lgmd2jax.fitting._uncertainty.jacobian import Sensitivity, sensitivity_at
 from lgmd2jax.fitting._uncertainty.linearity import nonlinear_parameters
 
 if TYPE_CHECKING:
@@ -138,7 +138,7 @@ def fit(
     z, value, choice = np.array(runs[0].z), runs[0].loss, {}
     if choose is not None and not stopped:
         z, value, choice = _chosen(problem, start, runs, choose)
-    slopes = sensitivity(problem, jnp.asarray(z), jnp.asarray(temperatures[-1], dtype=float))
+    slopes = sensitivity_at(problem, jnp.asarray(z), jnp.asarray(temperatures[-1], dtype=float))
     if absolute_errors is None:
         absolute_errors = all(target.has_error for _, targets in pairs for target in targets)
     u = _uncertainty(problem, z, slopes, absolute_errors)
@@ -244,7 +244,7 @@ def _rules(pairs: Sequence[Rendered]) -> dict[str, int]:
 
 def _uncertainty(problem: Problem, z: Float[np.ndarray, " free"], slopes: Sensitivity, absolute: bool) -> Uncertainty:
     free, rows = problem.free, problem.known()
-    return uncertainty(
+    return linearised_uncertainty(
         free.names,
         z,
         free.unpacked,

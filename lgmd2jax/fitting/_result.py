@@ -26,10 +26,10 @@ from lgmd2jax.fitting._run import Run
 from lgmd2jax.fitting._search.descent import FINAL
 from lgmd2jax.fitting._search.space import soften
 from lgmd2jax.fitting._uncertainty.covariance import Uncertainty, sentences
-from lgmd2jax.fitting._uncertainty.jacobian import sensitivity
+from lgmd2jax.fitting._uncertainty.jacobian import sensitivity_at
 from lgmd2jax.fitting._uncertainty.next_stimulus import Candidate, rank
-from lgmd2jax.fitting._uncertainty.posterior import Posterior, posterior
-from lgmd2jax.fitting._uncertainty.profile import Profile, profile, rise_limit
+from lgmd2jax.fitting._uncertainty.posterior import Posterior, draw_posterior
+from lgmd2jax.fitting._uncertainty.profile import Profile, profile_likelihood, rise_limit
 from lgmd2jax.stimuli import Stimulus
 
 _SAME_LOSS = 0.01  # relative; runs so close to the best count as being at the same optimum
@@ -119,7 +119,7 @@ class Fit:
             raise ValueError(f"{name!r} is not free in this fit; choose {', '.join(self.free.names)}")
         residuals, u, index = self._residuals("profile"), self.uncertainty, self.free.names.index(name)
         step = 2 * float(np.sqrt(u.covariance_z[index, index]))
-        return profile(
+        return profile_likelihood(
             residuals,
             self.z,
             index,
@@ -137,7 +137,9 @@ class Fit:
         **Raises:** `ValueError` for a fit that was read from a folder, and without the extra.
         """
         residuals = self._residuals("sample")
-        return posterior(residuals, self.z, key=key, variance=self.uncertainty.variance, draws=draws, chains=chains)
+        return draw_posterior(
+            residuals, self.z, key=key, variance=self.uncertainty.variance, draws=draws, chains=chains
+        )
 
     def values_of(self, draws: Posterior) -> dict[str, Float[np.ndarray, "chain draw"]]:
         """The draws by parameter, in its own unit."""
@@ -155,7 +157,7 @@ class Fit:
             targets = [Target(channel, nothing, error=self.errors[channel]) for channel in self.channels]
             pair = stimulus, [target.on(stimulus) for target in targets]
             problem = problem_of(self.model, self.observation, self.free, [pair], "squares")
-            jacobian = sensitivity(problem, jnp.asarray(self.z), temperature).jacobian
+            jacobian = sensitivity_at(problem, jnp.asarray(self.z), temperature).jacobian
             jacobians.append(np.asarray(jacobian)[: len(targets) * len(nothing)])
         return rank(self.uncertainty, jacobians, [stimulus.name for stimulus in stimuli])
 

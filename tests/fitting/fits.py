@@ -7,7 +7,7 @@ import numpy as np
 import lgmd2jax as lgmd
 from lgmd2jax._channels import Channel
 from lgmd2jax.fitting import Curve, Fit, Free, Run
-from lgmd2jax.fitting._uncertainty.covariance import uncertainty
+from lgmd2jax.fitting._uncertainty.covariance import linearised_uncertainty
 
 
 def curve(
@@ -65,7 +65,7 @@ def fit_with(
         loss=1.0,
         soft_loss=0.9,
         temperatures=temperatures,
-        uncertainty=uncertainty(
+        uncertainty=linearised_uncertainty(
             free.names,
             place,
             free.unpacked,

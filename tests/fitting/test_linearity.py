@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import lgmd2jax as lgmd
-from lgmd2jax.fitting._uncertainty.covariance import uncertainty
+from lgmd2jax.fitting._uncertainty.covariance import linearised_uncertainty
 from lgmd2jax.fitting._uncertainty.linearity import nonlinear_parameters
 
 FREE = lgmd.Free(theta2=None, tau1=lgmd.Linear(), w_bias=None)
@@ -22,7 +22,7 @@ def verdict(bent, z=MIDDLE, noise=1.0):
     def residuals(point):
         return MATRIX @ (bent(point) - bent(jnp.asarray(z))) + noise * NOISES
 
-    u = uncertainty(
+    u = linearised_uncertainty(
         FREE.names,
         z,
         FREE.unpacked,
@@ -66,7 +66,7 @@ def test_a_known_nonlinearity_is_named_where_chi2_rises_by_half_more(curvature, 
         away = point - MIDDLE
         return columns @ away.at[0].add(curvature * away[0] ** 2 / (2 * error)) + noise
 
-    u = uncertainty(
+    u = linearised_uncertainty(
         FREE.names, MIDDLE, FREE.unpacked, FREE.slopes(MIDDLE), columns, noise, n_effective=60, absolute=False
     )
     np.testing.assert_allclose(np.sqrt(np.diag(u.covariance_z)), error)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from lgmd2jax.fitting._uncertainty.covariance import uncertainty
+from lgmd2jax.fitting._uncertainty.covariance import linearised_uncertainty
 from lgmd2jax.fitting._uncertainty.next_stimulus import rank
 
 NAMES = ("tau1", "theta2", "k")
@@ -12,7 +12,7 @@ def known(jacobian):
     """The uncertainty of data with known errors, in the unit box."""
     n, p = jacobian.shape
     given = NAMES[:p], np.full(p, 0.5), lambda z: z, np.ones(p), jacobian, np.zeros(n)
-    return uncertainty(*given, n_effective=n, absolute=True)
+    return linearised_uncertainty(*given, n_effective=n, absolute=True)
 
 
 def test_errors_shrink_as_in_a_fit_to_all_data():

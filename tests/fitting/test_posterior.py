@@ -7,7 +7,7 @@ import pytest
 import xarray
 
 from lgmd2jax._results.posterior_nc import write_posterior
-from lgmd2jax.fitting._uncertainty.posterior import posterior
+from lgmd2jax.fitting._uncertainty.posterior import draw_posterior
 
 SLOPES = np.array([[40.0, 30, 0], [0, 25, 5], [0, 0, 30], [10, -10, 10]])
 CENTRE = np.array([0.3, 0.5, 0.7])
@@ -19,7 +19,7 @@ def straight(slopes, z):
 
 def draw(slopes, z=CENTRE, variance=1.0, seed=0):
     residuals = jax.tree_util.Partial(straight, jnp.asarray(slopes))  # arrays are arguments: compiled once
-    return posterior(residuals, z, key=jax.random.key(seed), variance=variance, chains=2, draws=600, warmup=300)
+    return draw_posterior(residuals, z, key=jax.random.key(seed), variance=variance, chains=2, draws=600, warmup=300)
 
 
 @pytest.fixture(scope="module")
@@ -60,7 +60,7 @@ def test_the_key_decides():
 
 def test_too_few_draws_are_refused():
     with pytest.raises(ValueError, match="1 chains of 600 draws tell nothing; take at least 2 chains"):
-        posterior(lambda z: z, CENTRE, key=jax.random.key(0), chains=1, draws=600)
+        draw_posterior(lambda z: z, CENTRE, key=jax.random.key(0), chains=1, draws=600)
 
 
 def test_the_file_has_the_layout_that_arviz_reads(tmp_path, sample):

@@ -9,7 +9,7 @@ from lgmd2jax.fitting import Free, Linear, Tie
 from lgmd2jax.fitting._cell_search import search_cell
 from lgmd2jax.fitting._problem import chi2_residuals, problem_of
 from lgmd2jax.fitting._search.points import sobol
-from lgmd2jax.fitting._uncertainty.jacobian import sensitivity
+from lgmd2jax.fitting._uncertainty.jacobian import sensitivity_at
 
 SMALL = lgmd.Eye(rows=12, cols=16, degrees_per_pixel=8.0, fps=30.0)
 FAST = lgmd.Eye(rows=12, cols=16, degrees_per_pixel=8.0, fps=60.0)
@@ -55,7 +55,7 @@ def test_residuals_are_those_of_single_calls(problem, pairs, temperature):
     thresholds = lgmd.Hard() if temperature is None else lgmd.Soft(temperature)
     model = lgmd.LGMD2(parameters, thresholds, N_ts=2)
     hot = None if temperature is None else jnp.asarray(temperature)
-    here = sensitivity(problem, jnp.asarray(Z), hot)
+    here = sensitivity_at(problem, jnp.asarray(Z), hot)
     expected = 0.0
     for (stimulus, targets), places in zip(pairs, problem.places, strict=True):
         response = model(stimulus.frames, stimulus.fps)
@@ -74,9 +74,9 @@ def test_residuals_are_those_of_single_calls(problem, pairs, temperature):
 
 def test_the_jacobian_is_that_of_finite_differences(problem):
     hot, step = jnp.asarray(1.0), 1e-6
-    here = sensitivity(problem, jnp.asarray(Z), hot)
+    here = sensitivity_at(problem, jnp.asarray(Z), hot)
     for i in range(len(FREE)):
-        up, down = (sensitivity(problem, jnp.asarray(Z).at[i].add(sign * step), hot) for sign in (1, -1))
+        up, down = (sensitivity_at(problem, jnp.asarray(Z).at[i].add(sign * step), hot) for sign in (1, -1))
         slope = (up.residuals - down.residuals) / (2 * step)
         np.testing.assert_allclose(here.jacobian[:, i], slope, atol=2e-5 * float(jnp.abs(here.jacobian).max()))
 

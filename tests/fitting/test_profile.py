@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from lgmd2jax.fitting._uncertainty.covariance import uncertainty
-from lgmd2jax.fitting._uncertainty.profile import profile, rise_limit
+from lgmd2jax.fitting._uncertainty.covariance import linearised_uncertainty
+from lgmd2jax.fitting._uncertainty.profile import profile_likelihood, rise_limit
 
 TIME = np.linspace(0, 2, 12)
 NOISE = 0.15
@@ -43,7 +43,7 @@ def minimum():
 
 @pytest.mark.parametrize("index", range(3))
 def test_the_interval_of_minos(minimum, index):
-    ours = profile(
+    ours = profile_likelihood(
         residuals,
         np.array(minimum.values),
         index,
@@ -67,14 +67,16 @@ def test_the_interval_of_minos(minimum, index):
 def test_starts_from_its_own_minimum(minimum):
     """A point that is a little off must not shift the interval."""
     z = np.array(minimum.values)
-    exact, off = (profile(residuals, start, 0, variance=1.0, limit=LIMIT, step=0.05) for start in (z, z * 1.2))
+    exact, off = (
+        profile_likelihood(residuals, start, 0, variance=1.0, limit=LIMIT, step=0.05) for start in (z, z * 1.2)
+    )
     np.testing.assert_allclose(off.interval, exact.interval, rtol=1e-3)
 
 
 def test_a_larger_variance_widens_the_interval_as_its_root(minimum):
     z = np.array(minimum.values)
-    narrow = profile(residuals, z, 0, variance=1e-4, limit=LIMIT, step=1e-3)  # so narrow that it is linear
-    wide = profile(residuals, z, 0, variance=4e-4, limit=LIMIT, step=1e-3)
+    narrow = profile_likelihood(residuals, z, 0, variance=1e-4, limit=LIMIT, step=1e-3)  # so narrow that it is linear
+    wide = profile_likelihood(residuals, z, 0, variance=4e-4, limit=LIMIT, step=1e-3)
     np.testing.assert_allclose(np.diff(wide.interval), 2 * np.diff(narrow.interval), rtol=1e-2)
 
 
@@ -82,9 +84,9 @@ def test_an_end_beyond_the_box_is_open():
     def flat(z):
         return jnp.stack([4 * (z[0] - 0.3), 1e-3 * z[1] + z[0] - 0.3])
 
-    idle = profile(flat, np.array([0.3, 0.5]), 1, variance=1.0, limit=LIMIT, step=0.25)
+    idle = profile_likelihood(flat, np.array([0.3, 0.5]), 1, variance=1.0, limit=LIMIT, step=0.25)
     assert (idle.is_open, idle.interval) == ((True, True), (0.0, 1.0))
-    near = profile(flat, np.array([0.3, 0.5]), 0, variance=1.0, limit=LIMIT, step=0.1)
+    near = profile_likelihood(flat, np.array([0.3, 0.5]), 0, variance=1.0, limit=LIMIT, step=0.1)
     assert near.is_open == (True, False)
     np.testing.assert_allclose(near.interval, np.array([0, 0.3 + np.sqrt(LIMIT / 17)]), rtol=1e-3)
 
@@ -97,11 +99,13 @@ def test_of_linear_curves_the_interval_is_that_of_the_covariance(absolute, law):
     noise = chance.normal(size=7)
     noise -= jacobian @ np.linalg.lstsq(jacobian, noise)[0]
     z = np.array([0.4, 0.6])
-    u = uncertainty(("a", "b"), z, lambda z: z, np.ones(2), jacobian, noise, n_effective=7, absolute=absolute)
+    u = linearised_uncertainty(
+        ("a", "b"), z, lambda z: z, np.ones(2), jacobian, noise, n_effective=7, absolute=absolute
+    )
     error = np.sqrt(np.linalg.inv(jacobian.T @ jacobian)[0, 0] * (1 if absolute else noise @ noise / 5))
     for confidence in (0.95, 0.68):
         limit = rise_limit(u, confidence)
-        ours = profile(
+        ours = profile_likelihood(
             lambda point: jnp.asarray(jacobian) @ (point - z) + noise, z, 0, variance=u.variance, limit=limit, step=0.05
         )
         reach = law.ppf(0.5 + confidence / 2) * error
@@ -110,8 +114,8 @@ def test_of_linear_curves_the_interval_is_that_of_the_covariance(absolute, law):
 
 def test_compiles_once_for_all_parameters(minimum):
     z = np.array(minimum.values)
-    profile(residuals, z, 0, variance=1.0, limit=LIMIT, step=0.05)
+    profile_likelihood(residuals, z, 0, variance=1.0, limit=LIMIT, step=0.05)
     before = len(TRACES)
     for index in (1, 2):
-        profile(residuals, z, index, variance=1.0, limit=LIMIT, step=0.05)
+        profile_likelihood(residuals, z, index, variance=1.0, limit=LIMIT, step=0.05)
     assert len(TRACES) == before

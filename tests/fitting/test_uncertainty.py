@@ -9,7 +9,7 @@ import lmfit
 import numpy as np
 import pytest
 
-from lgmd2jax.fitting._uncertainty.covariance import prediction_band, sentences, uncertainty
+from lgmd2jax.fitting._uncertainty.covariance import linearised_uncertainty, prediction_band, sentences
 
 TIME = np.linspace(0, 4, 60)
 NAMES = ("a", "b", "c")
@@ -43,7 +43,7 @@ def lmfit_of(error=1.0):
 
 
 def in_box(values, jacobian, residuals, names=NAMES, n_effective=None, absolute=False, priors=0):
-    return uncertainty(
+    return linearised_uncertainty(
         names,
         values / SIZE,
         lambda z: z * SIZE,
@@ -160,7 +160,7 @@ def test_on_a_logarithmic_scale_intervals_are_factors():
     def with_slopes(jacobian):
         place = np.log(values / low) / np.log(high / low)
         given = place, lambda z: low * (high / low) ** z, slopes, jacobian * slopes, residuals
-        return uncertainty(NAMES, *given, n_effective=60, absolute=True)
+        return linearised_uncertainty(NAMES, *given, n_effective=60, absolute=True)
 
     ours = with_slopes(jacobian)
     np.testing.assert_allclose(ours.values, values)

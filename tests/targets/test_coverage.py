@@ -6,7 +6,7 @@ import pytest
 
 import lgmd2jax as lgmd
 from lgmd2jax.fitting._problem import problem_of
-from lgmd2jax.fitting._uncertainty.covariance import uncertainty
+from lgmd2jax.fitting._uncertainty.covariance import linearised_uncertainty
 from lgmd2jax.stimuli import Stimulus
 
 TRUTH, NOISE, SPAN = np.array([5.0, 60.0]), 4.0, 800.0
@@ -31,7 +31,9 @@ def covered(rng, count, fps, shift, absolute):
     size = np.array([50.0, 200.0])
     samples = counted.sum() / target.thinning
     settings = {"n_effective": samples, "absolute": absolute, "priors": 0}
-    u = uncertainty(("a", "b"), best / size, lambda z: z * size, size, rows * size, rows @ best - right, **settings)
+    u = linearised_uncertainty(
+        ("a", "b"), best / size, lambda z: z * size, size, rows * size, rows @ best - right, **settings
+    )
     low, high = np.asarray(u.intervals).T
     return (low <= TRUTH) & (high >= TRUTH)
 

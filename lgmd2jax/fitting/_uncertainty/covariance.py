@@ -66,7 +66,7 @@ class Uncertainty:
     reason: str
 
 
-def uncertainty(
+def linearised_uncertainty(
     names: tuple[str, ...],
     z: Float[np.ndarray, " free"],
     value: Callable[[Float[np.ndarray, " free"]], Float[np.ndarray, " free"]],

@@ -19,7 +19,7 @@ class Sensitivity(NamedTuple):
 
 
 @eqx.filter_jit
-def sensitivity(problem: Problem, z: Float[Array, " free"], temperature: Float[Array, ""] | None) -> Sensitivity:
+def sensitivity_at(problem: Problem, z: Float[Array, " free"], temperature: Float[Array, ""] | None) -> Sensitivity:
     """All derivatives in one pass."""
 
     def everything(z):

@@ -33,7 +33,7 @@ class Posterior:
     effective: Float[np.ndarray, " free"]
 
 
-def posterior(
+def draw_posterior(
     residuals: Callable[[Float[Array, " free"]], Float[Array, " n"]],
     z: Float[np.ndarray, " free"],
     *,

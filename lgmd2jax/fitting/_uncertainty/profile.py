@@ -43,7 +43,7 @@ def rise_limit(u: Uncertainty, confidence: float) -> float:
     return float(scipy.stats.f.ppf(confidence, 1, u.degrees_of_freedom))
 
 
-def profile(
+def profile_likelihood(
     residuals: Callable[[Float[Array, " free"]], Float[Array, " n"]],
     z: Float[np.ndarray, " free"],
     index: int,
