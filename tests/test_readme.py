@@ -25,12 +25,23 @@ SLOW_PROGRAMS = [
 ]
 
 
+# What a program prints, by its first line of code, where numbers are known: the peak of Table I and its spikes; a slope
+# that falls with k, and responses that grow with contrast; a camera that saw nothing yet.
+PRINTED = {
+    "import lgmd2jax as lgmd\n\neye": r"0\.9373\d* 8\.0\n",
+    "import jax, lgmd2jax as lgmd\n\neye": r"-0\.0082\d*\n\[0\.5 +0\.904\d* 0\.961\d* (0\.96\d+\s*){5}\]\n",
+    "import lgmd2jax as lgmd\nfrom lgmd2jax import hard": r"0\.5 False\n",
+}
+
+
 @pytest.mark.parametrize("program", SLOW_PROGRAMS, ids=[f"program {i}" for i in range(len(PROGRAMS))])
 def test_programs_run(program, tmp_path):
     done = subprocess.run([sys.executable, "-W", "error", "-c", program], cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert done.stdout
     assert "nan" not in done.stdout
+    for start, printed in PRINTED.items():
+        assert not program.startswith(start) or re.fullmatch(printed, done.stdout), done.stdout
 
 
 SLOW_COMMANDS = [
