@@ -29,7 +29,7 @@ SLOW_PROGRAMS = [
 # that falls with k, and responses that grow with contrast; a camera that saw nothing yet.
 PRINTED = {
     "import lgmd2jax as lgmd\n\neye": r"0\.9373\d* 8\.0\n",
-    "import jax, lgmd2jax as lgmd\n\neye": r"-0\.0082\d*\n\[0\.5 +0\.904\d* 0\.961\d* (0\.96\d+\s*){5}\]\n",
+    "import jax, lgmd2jax as lgmd\n\neye": r"-0\.0082\d*\n\[0\.5\s+0\.904\d*\s+0\.961\d*\s+(0\.96\d+\s*){5}\]\n",
     "import lgmd2jax as lgmd\nfrom lgmd2jax import hard": r"0\.5 False\n",
 }
 
