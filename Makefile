@@ -1,13 +1,17 @@
-# make fit    set everything up, fit the LGMD2 to its target curves, leave the results in fits/lgmd2/
+# make fit    set everything up, fit the LGMD2 to its target curves, leave the results in results/lgmd2/
 # make test   set everything up, run the tests
 # make notebooks   set everything up, run the notebooks and write them again
 # make lint   set everything up, check style, types, and which room imports which
 PYTHON ?= python3
 VENV ?= .venv
 
-.PHONY: fit test notebooks lint
+.PHONY: fit gallery test notebooks lint
 fit: $(VENV)/ready
-	$(VENV)/bin/lgmd2jax fit fits/lgmd2.toml
+	$(VENV)/bin/lgmd2jax fit fits/lgmd2.toml -o results/lgmd2
+
+# What fits/ shows: the same fits, written where git keeps them.
+gallery: $(VENV)/ready
+	for recipe in lgmd2 twin dcmd video; do $(VENV)/bin/lgmd2jax fit fits/$$recipe.toml || exit 1; done
 
 test: $(VENV)/ready
 	$(VENV)/bin/python -m pytest -n 2 --dist loadfile

@@ -14,7 +14,7 @@ import jax
 
 from lgmd2jax._compute import xla as _xla
 from lgmd2jax._network.pixels import Pixels
-from lgmd2jax._recipes.fit import load_recipe
+from lgmd2jax._recipes.load import load_recipe
 
 RULES = {"exact": Pixels.over, "plain": Pixels.plain}
 

@@ -83,7 +83,7 @@ def truth_of(seed: int) -> lgmd.Parameters:
     )
 
 
-def curves(model: lgmd.Network, shown: list[lgmd.Stimulus]) -> list[lgmd.Response]:
+def curves(model: lgmd.AbstractNetwork, shown: list[lgmd.Stimulus]) -> list[lgmd.Response]:
     """The responses to all stimuli."""
     return [model(stimulus.frames, stimulus.fps) for stimulus in shown]
 

@@ -1,5 +1,17 @@
 """The LGMD2 collision detector of juvenile locusts, differentiable in JAX: `import lgmd2jax as lgmd`."""
 
+from typing import Any
+
 import lazy_loader
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+from lgmd2jax._words import warn_renamed
+
+_load, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+
+
+def __getattr__(name: str) -> Any:
+    """A public name, loaded when first used; an old one with a warning."""
+    if name == "Network":
+        warn_renamed("lgmd2jax.Network", "lgmd2jax.AbstractNetwork")
+        return _load("AbstractNetwork")
+    return _load(name)

@@ -9,8 +9,9 @@ from ._characterise import (
 )
 from ._eye import Eye as Eye
 from ._handover.model_file import load as load, save as save
-from ._network.abstract import Network as Network, Response as Response, State as State
+from ._network.abstract import AbstractNetwork as AbstractNetwork, Response as Response, State as State
 from ._network.lgmd2 import ABLATIONS as ABLATIONS, LGMD2 as LGMD2, MECHANISMS as MECHANISMS
+from ._network.parameter_set import ParameterSet as ParameterSet, declares as declares, scalar as scalar
 from ._network.parameters import (
     PRESETS as PRESETS,
     Parameters as Parameters,
@@ -19,6 +20,8 @@ from ._network.parameters import (
     symbols as symbols,
 )
 from ._network.pixels import Layers as Layers
+from ._network.stages import AbstractCell as AbstractCell, AbstractPixels as AbstractPixels, Sums as Sums
+from ._network.structure import counts as counts, one_of as one_of
 from ._network.thresholds import (
     Hard as Hard,
     Soft as Soft,
@@ -33,7 +36,9 @@ from ._network.yue_rind import (
     YueRindParameters as YueRindParameters,
 )
 from ._protocol.protocol import Condition as Condition, Protocol as Protocol, load_protocol as load_protocol
-from ._recipes.fit import Recipe as Recipe, load_recipe as load_recipe
+from ._recipes.fit import Recipe as Recipe
+from ._recipes.load import load_recipe as load_recipe
+from ._recipes.sweep import SweepRecipe as SweepRecipe
 from ._results.fit_folder import load_fit as load_fit, save_fit as save_fit
 from ._sweep import surfaces as surfaces, sweep as sweep
 from ._targets.csv_files import read_spike_trains as read_spike_trains, read_target as read_target

@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+import warnings
 from typing import Literal
 
 import jax.numpy as jnp
@@ -55,6 +56,11 @@ class Eye:
                 raise ValueError(f"{name} is {number!r}; give a positive number of {unit}")
         if self.projection not in PROJECTIONS:
             raise ValueError(f"projection is {self.projection!r}; choose {nearest(self.projection, PROJECTIONS)}")
+        if self.fps < 1:
+            warnings.warn(
+                f"fps is {self.fps:.4g}; were {1 / self.fps:.4g} frames per second meant, given as an interval in s?",
+                stacklevel=3,
+            )
 
     @classmethod
     def from_field_of_view(

@@ -57,7 +57,6 @@ MECHANISMS = {
 }
 EYE = ("rows", "cols", "degrees_per_pixel", "fps", "projection")
 MOST_FRAMES = 10000  # of persistence or of a window; more would only fill the memory
-STEP_FRAMES = 15  # within which a delayed flow has risen to its peak after a step
 TEST_VECTOR = ("fps", "tolerance", "frames", "response")
 
 
@@ -190,20 +189,9 @@ class HardLGMD2:
         s = v["theta1"] * s_on + v["theta2"] * s_off + v["theta3"] * s_on * s_off
         if "size" not in self.mechanisms:
             return s, float(np.abs(p).mean())
-        changed = self._d_on + self._d_off > self._step_peak(a) * v["T_p"]
+        changed = self._d_on + self._d_off > a * v["T_p"]
         self._held = np.where(changed, 1.0, math.exp(-interval / v["tau_hold"]) * self._held)
         return s, float(self._held.mean())
-
-    def _step_peak(self, a):
-        """What D reaches in a pixel after a step of luminance by 1: a, or more where the flow outlasts a frame."""
-        p, flow, d = [1.0], 1.0, a
-        peak = d
-        for _ in range(STEP_FRAMES):
-            p = [sum(share * past for share, past in zip(self._persistence, p)), *p[: self.n_p]]
-            flow = p[0] + self.parameters["sigma1"] * flow
-            d += a * (flow - d)
-            peak = max(peak, d)
-        return peak
 
     def _potential(self, s):
         """Eqs 9-11: MP. The mean of eq. 10 keeps the sum."""
@@ -347,7 +335,8 @@ def read_any(path) -> dict:
         for name in ("parameters", "mechanisms", "structure", "provenance", "calibration"):
             if not isinstance(content[name], dict):
                 raise ValueError(f"{name} is {content[name]!r}; give values by name")
-        for name, values in content["mechanisms"].items():
+        mechanisms: Any = content["mechanisms"]
+        for name, values in mechanisms.items():
             if not isinstance(values, dict):
                 raise ValueError(f"mechanism {name} is {values!r}; give values by name")
         _check_eye(content["eye"])
@@ -360,9 +349,9 @@ def read_any(path) -> dict:
 def prove(response: Response, vector: Mapping) -> None:
     """Raise `ValueError` where a response is not the one that a test vector states."""
     expected = Response(**vector["response"])
-    found = first_difference(response, expected, vector["tolerance"])
-    if found is not None:
-        t, name = found
+    difference = first_difference(response, expected, vector["tolerance"])
+    if difference is not None:
+        t, name = difference
         value, wanted = float(getattr(response, name)[t]), getattr(expected, name)[t]
         raise ValueError(
             f"its test vector does not come out: {name} of frame {t} is {value:.9g}, not {wanted:.9g}; "

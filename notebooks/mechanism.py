@@ -20,6 +20,7 @@ from lgmd2jax._characterise.curves import curves_of
 from lgmd2jax._characterise.exam import exam_of, sums_of
 from lgmd2jax._characterise.measurements import measure, result_of
 from lgmd2jax._characterise.properties import ROWS
+from lgmd2jax._network.stages import Sums
 from notebooks import plots
 
 jax.config.update("jax_enable_x64", True)
@@ -86,10 +87,10 @@ starts = [
 
 
 @eqx.filter_jit
-def examined(seen, model, cells):
+def examined(sums, model, cells):
     def one(z):
         parameters, _ = CELL.insert(model.parameters, lgmd.Observation(), z)
-        return measure(curves_of(exam, seen, dataclasses.replace(model, parameters=parameters)))
+        return measure(curves_of(exam, sums, dataclasses.replace(model, parameters=parameters)))
 
     return jax.lax.map(one, cells, batch_size=16)
 
@@ -106,13 +107,13 @@ def chosen(them, i):
     return jax.tree.map(lambda values: values[i], them)
 
 
-def searched(seen, model):
+def searched(sums, model):
     """The highest score, and what is measured on the model that has it."""
     rng, found = np.random.default_rng(0), []
     known = np.array([[float(it.place(start[it.name])) for it in CELL.freedoms] for start in starts])
     z = np.vstack([known, qmc.Sobol(len(CELL), rng=rng).random(256)[len(known) :]])
     for _ in range(2):
-        them = jax.device_get(examined(seen, model, jnp.asarray(z)))
+        them = jax.device_get(examined(sums, model, jnp.asarray(z)))
         score = scores(them)
         found.append((score.max(), chosen(them, score.argmax())))
         parents = z[rng.choice(np.argsort(-score)[:8], 256)]
@@ -135,7 +136,7 @@ mechanisms = {
 found = {}
 for mechanism, (f, delay) in mechanisms.items():
     runs = [
-        searched(tuple(zip(delay(mp), delay(plain if f is None else f), strict=True)), model)
+        searched(tuple(map(Sums, delay(mp), delay(plain if f is None else f))), model)
         for model, mp, plain in stages.values()
     ]
     found[mechanism] = result_of(exam, "LGMD2", max(runs, key=lambda run: run[0])[1])

@@ -15,7 +15,7 @@ from PIL import Image as Picture
 
 from lgmd2jax import Characterisation, Condition, Fit, LoomingLaw, Stimulus
 from lgmd2jax._characterise.panels import OVER
-from lgmd2jax._figures.response import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, STYLE, VERMILION
+from lgmd2jax._figures.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, STYLE, VERMILION
 from lgmd2jax._figures.sweep import surface_figure
 from lgmd2jax.fitting._curve import variance_explained
 from notebooks.paper_claims import Seen

@@ -37,19 +37,6 @@ def respond(frames, fps, v, temperature=None, n_p=0, low_pass="backward_euler", 
         at_rest = step(-height, 0.1 * height)
         return (step(d - height, 0.1 * height) - at_rest) / (1 - at_rest)
 
-    def step_peak():
-        """The largest delayed flow of a pixel after a step by 1, if the clock went on as in this frame."""
-        p, flow, d, peak = [], 0.0, 0.0, 0.0
-        for t in range(100):
-            p.append(
-                (1.0 if t == 0 else 0.0)
-                + sum(p[t - i] / (1 + math.exp(v["u"] * i)) for i in range(1, n_p + 1) if i <= t)
-            )
-            flow = p[t] + v["sigma1"] * flow
-            d += coefficient(v["tau1"]) * (flow - d)
-            peak = max(peak, d)
-        return peak
-
     def lagged(values, t):
         """The value of `lag` ms before frame t, on a line between frames; 0 before the first one."""
         moments = [sum(intervals[1 : i + 1]) for i in range(t + 1)]
@@ -108,7 +95,7 @@ def respond(frames, fps, v, temperature=None, n_p=0, low_pass="backward_euler", 
 
         delayed = [[d_on[x][y] + d_off[x][y] for y in range(cols)] for x in range(rows)]
         if "size" in mechanisms:  # the share of the field that changed of late
-            height = step_peak() * v["T_p"]
+            height = coefficient(v["tau1"]) * v["T_p"]
             for x, y in pixels:
                 now = changed(delayed[x][y], height)
                 held[x][y] = now + (1 - now) * math.exp(-ti / v["tau_hold"]) * held[x][y]

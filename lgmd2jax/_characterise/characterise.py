@@ -13,7 +13,7 @@ from lgmd2jax._characterise.measurements import Measurements, measure, result_of
 from lgmd2jax._characterise.result import Characterisation, JudgedAs
 from lgmd2jax._characterise.selectivity import Estimate, intervals
 from lgmd2jax._eye import Eye
-from lgmd2jax._network.abstract import Network
+from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.parameters import symbols
 from lgmd2jax._network.variants import ablate
 from lgmd2jax.fitting import Fit
@@ -23,7 +23,7 @@ _FINE = 1.0  # degrees a pixel
 
 
 def characterise(
-    model: Network | Fit, *, key: Key[Array, ""] | None = None, progress: bool = False
+    model: AbstractNetwork | Fit, *, key: Key[Array, ""] | None = None, progress: bool = False
 ) -> Characterisation:
     """The 22 response properties of a looming-sensitive neuron, measured on a model with its own eye.
 
@@ -52,7 +52,7 @@ def characterise(
     return dataclasses.replace(result, selectivity=estimates)
 
 
-def ablations(model: Network, *, progress: bool = False) -> dict[str, Characterisation]:
+def ablations(model: AbstractNetwork, *, progress: bool = False) -> dict[str, Characterisation]:
     """The exam on the model as it is and without FFI, SFA, lateral inhibition, ON pathway, each judged as the whole is.
 
     What a model does not have is not taken out: the LGMD1 of Yue & Rind has neither SFA nor pathways.
@@ -65,18 +65,27 @@ def ablations(model: Network, *, progress: bool = False) -> dict[str, Characteri
     return {name: _result(variant, exam, neuron, progress) for name, variant in variants.items()}
 
 
-def rasters(model: Network, *, finer: bool = True, progress: bool = False) -> dict[str, Characterisation]:
-    """The exam as it is, with all objects moved by half a pixel, and by an eye of 1 degree a pixel and the same field.
+def rasters(
+    model: AbstractNetwork, *, seeds: int = 0, finer: bool = True, progress: bool = False
+) -> dict[str, Characterisation]:
+    """The exam as it is, with all objects moved by half a pixel, in other noise, and by an eye of 1 degree a pixel.
 
     What fills the field, gratings and changes of light, is not moved. A finer eye takes the square as long.
 
-    **Arguments:** `finer`: whether the finer eye is asked too; one that has 1 degree or less a pixel already never is.
+    **Arguments:**
 
-    **Raises:** `ValueError` as for `characterise`.
+    - `seeds`: in how many other draws of noise and texture; of those rows that have any.
+    - `finer`: whether the finer eye, of the same field, is asked too; one that has 1 degree or less a pixel never is.
+
+    **Raises:** `ValueError` as for `characterise`, and for a number of seeds that is none.
     """
+    if not isinstance(seeds, int) or seeds < 0:
+        raise ValueError(f"seeds is {seeds!r}; give a whole number, 0 or more")
     eye, neuron = _usable(model), _neuron(model)
     results = {"as it is": _result(model, exam_of(eye), neuron, progress)}
     results["half a pixel aside"] = _result(model, exam_of(eye, 0.5), neuron, progress)
+    for seed in range(1, seeds + 1):
+        results[f"noise and texture {seed}"] = _result(model, exam_of(eye, seed=seed), neuron, progress)
     pitch = 1 / eye.pixels_per_degree
     if finer and pitch > _FINE:
         rows, cols = (round(size * pitch / _FINE) for size in (eye.rows, eye.cols))
@@ -101,16 +110,16 @@ def differences(results: Mapping[str, Characterisation]) -> list[str]:
     return sentences
 
 
-def _result(model: Network, exam: Exam, neuron: JudgedAs, progress: bool) -> Characterisation:
+def _result(model: AbstractNetwork, exam: Exam, neuron: JudgedAs, progress: bool) -> Characterisation:
     return result_of(exam, neuron, _measure(exam, sums_of(exam, model, progress), model))
 
 
 @eqx.filter_jit
-def _measure(exam: Exam, sums: ExamSums, model: Network) -> Measurements:
+def _measure(exam: Exam, sums: ExamSums, model: AbstractNetwork) -> Measurements:
     return measure(curves_of(exam, sums, model))
 
 
-def _neuron(model: Network) -> JudgedAs:
+def _neuron(model: AbstractNetwork) -> JudgedAs:
     """By the weights of the pathways: a circuit whose ON pathway counts is meant to answer light objects."""
     for name in symbols(type(model.parameters)):
         if shape := np.shape(getattr(model.parameters, name)):
@@ -118,8 +127,8 @@ def _neuron(model: Network) -> JudgedAs:
     return model.neuron
 
 
-def _usable(model: Network) -> Eye:
-    if not isinstance(model, Network):
+def _usable(model: AbstractNetwork) -> Eye:
+    if not isinstance(model, AbstractNetwork):
         raise ValueError(f"model is {model!r:.40}; give an LGMD2 or a Fit")
     eye = model.eye
     if eye is None:

@@ -14,7 +14,7 @@ from jaxtyping import Array, Bool, Float
 from lgmd2jax._characterise.exam import Exam, ExamSums, at_rate
 from lgmd2jax._characterise.extremes import largest
 from lgmd2jax._characterise.trials import REFERENCE, textured
-from lgmd2jax._network.abstract import Network
+from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._signals import vertex
 
 _REST_MS = 200.0  # last part of the lead-in, whose mean is rest
@@ -87,7 +87,7 @@ class Curves(eqx.Module):
         )
 
 
-def curves_of(exam: Exam, sums: ExamSums, model: Network) -> Curves:
+def curves_of(exam: Exam, sums: ExamSums, model: AbstractNetwork) -> Curves:
     """The cell stage. It maps over the cell's parameters, and needs no pixels for it."""
     smp, smp_adapted = [], []
     for group, of_group in zip(exam.groups, sums, strict=True):

@@ -12,7 +12,7 @@ from tqdm import tqdm
 
 from lgmd2jax._characterise.trials import Trial, all_trials
 from lgmd2jax._eye import Eye
-from lgmd2jax._network.abstract import Network
+from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.stages import Sums
 from lgmd2jax._network.variants import at_frame_rate
 
@@ -23,18 +23,19 @@ ExamSums = tuple[Sums, ...]  # MP and F of each group of trials: all that reache
 class Exam:
     """The stimuli for an eye, all or those that are named. Equal exams share what is compiled.
 
-    **Arguments:** `shift`: by which objects stand aside, in pixels, to the right and up.
+    **Arguments:** `shift`: by which objects stand aside, in pixels, to the right and up. `seed`: of noise and texture.
     """
 
     eye: Eye
     shift: float = 0.0
+    seed: int = 0
     only: tuple[str, ...] | None = None
 
     @functools.cached_property
     def groups(self) -> tuple[tuple[Trial, ...], ...]:
         """Trials of equal frame rate and number of frames."""
         groups = {}
-        for trial in all_trials(self.eye, self.shift):
+        for trial in all_trials(self.eye, self.shift, self.seed):
             if self.only is None or trial.name in self.only:
                 groups.setdefault((trial.fps, trial.count), []).append(trial)
         return tuple(tuple(trials) for trials in groups.values())
@@ -61,12 +62,12 @@ class Exam:
 
 
 @functools.lru_cache(maxsize=1)
-def exam_of(eye: Eye, shift: float = 0.0) -> Exam:
+def exam_of(eye: Eye, shift: float = 0.0, seed: int = 0) -> Exam:
     """The whole exam; the last one is kept with its frames, some 300 MB at 48 x 64, for the next model."""
-    return Exam(eye, shift)
+    return Exam(eye, shift, seed)
 
 
-def sums_of(exam: Exam, model: Network, progress: bool = False) -> ExamSums:
+def sums_of(exam: Exam, model: AbstractNetwork, progress: bool = False) -> ExamSums:
     """MP(t) and F(t) of every trial: the pixel stage."""
     trials = [trial for group in exam.groups for trial in group]
     results = _each(exam, model, tqdm(trials, unit="stimulus", leave=False, disable=None if progress else True))
@@ -77,18 +78,18 @@ def sums_of(exam: Exam, model: Network, progress: bool = False) -> ExamSums:
     return tuple(stacked)
 
 
-def _each(exam: Exam, model: Network, trials: tqdm) -> Iterator[Sums]:
+def _each(exam: Exam, model: AbstractNetwork, trials: tqdm) -> Iterator[Sums]:
     for trial in trials:
         trials.set_description(trial.name)
         frames = jnp.asarray(exam.frames(trial))
         yield _sums(at_rate(model, exam, trial.fps), frames, jnp.asarray(1000 / trial.fps, dtype=float))
 
 
-def at_rate(model: Network, exam: Exam, fps: float) -> Network:
+def at_rate(model: AbstractNetwork, exam: Exam, fps: float) -> AbstractNetwork:
     """The model for trials of a frame rate, the exam's or the finer one."""
     return model if fps == exam.eye.fps else at_frame_rate(dataclasses.replace(model, eye=exam.eye), fps)
 
 
 @eqx.filter_jit
-def _sums(model: Network, frames, interval) -> Sums:
+def _sums(model: AbstractNetwork, frames, interval) -> Sums:
     return model.sums(frames, interval)[0]

@@ -45,7 +45,8 @@ _LENGTHS = (2350.0, 3250.0, 5500.0)  # ms
 class Trial:
     """One stimulus of the exam: motion from `begin` to `end`, in ms, within a window of whole frames.
 
-    `render` takes an eye and the window. `textured` scenes are compared with the approach in the same scene.
+    `render` takes an eye and the window. `textured` scenes are compared with the approach in the same scene; `seed` is
+    that of their noise.
     """
 
     name: str
@@ -54,6 +55,7 @@ class Trial:
     end: float
     fps: float
     textured: bool = False
+    seed: int = 0
 
     @property
     def count(self) -> int:
@@ -73,7 +75,7 @@ class Trial:
         time, eye = self.time, dataclasses.replace(eye, fps=self.fps)
         stimulus = self.render(eye, start_ms=float(time[0]), end_ms=float(time[-1]))
         if self.textured:
-            stimulus = stimuli.camera(stimulus, jax.random.key(0), noise=NOISE, bits=None)
+            stimulus = stimuli.camera(stimulus, jax.random.key(self.seed), noise=NOISE, bits=None)
         return np.asarray(stimulus.frames, dtype=np.float32)
 
 
@@ -138,13 +140,16 @@ def sees(eye: Eye, cycles: float, hertz: float) -> bool:
     return cycles / eye.pixels_per_degree < 0.5 and hertz < eye.fps / 2
 
 
-def all_trials(eye: Eye, shift: float) -> Iterator[Trial]:
-    """The whole exam for an eye; objects stand `shift` pixels to the right of and above where they should."""
+def all_trials(eye: Eye, shift: float, seed: int = 0) -> Iterator[Trial]:
+    """The whole exam for an eye; objects stand `shift` pixels to the right of and above where they should.
+
+    **Arguments:** `seed`: of the noise, and of the piece of the photograph that is seen.
+    """
     aside, fps = shift / eye.pixels_per_degree, float(eye.fps)
     yield from _looms(fps, aside)
-    yield from _scenes(fps, aside)
-    yield from _translations(fps, aside)
-    yield from _bars(fps, aside)
+    yield from _scenes(fps, aside, seed)
+    yield from _translations(fps, aside, seed)
+    yield from _bars(fps, aside, seed)
     yield from _gratings(eye)
     yield from _changes(fps)
 
@@ -172,20 +177,20 @@ def _looms(fps: float, aside: float) -> Iterator[Trial]:
         yield _approach(name, fps, aside, **DARK, **look)
 
 
-def _scenes(fps: float, aside: float) -> Iterator[Trial]:
+def _scenes(fps: float, aside: float, seed: int) -> Iterator[Trial]:
     """Light and receding objects, and approaches over a photograph."""
-    dark, light = (_textured_scene(**look) for look in (DARK, LIGHT))
+    dark, light = (_textured_scene(seed, **look) for look in (DARK, LIGHT))
     yield _approach(LIGHT_LOOM, fps, aside, **LIGHT)
     yield _recession(RECESSION, fps, aside, **DARK)
     yield _recession(LIGHT_RECESSION, fps, aside, **LIGHT)
-    yield dataclasses.replace(_approach(textured(REFERENCE), fps, aside, **dark), textured=True)
-    yield dataclasses.replace(_approach(textured(LIGHT_LOOM), fps, aside, **light), textured=True)
-    yield dataclasses.replace(_recession(textured(RECESSION), fps, aside, **dark), textured=True)
+    yield dataclasses.replace(_approach(textured(REFERENCE), fps, aside, **dark), textured=True, seed=seed)
+    yield dataclasses.replace(_approach(textured(LIGHT_LOOM), fps, aside, **light), textured=True, seed=seed)
+    yield dataclasses.replace(_recession(textured(RECESSION), fps, aside, **dark), textured=True, seed=seed)
     for name, speed in ((STILL, None), (DRIFTING, 20.0)):
-        yield _approach(name, fps, aside, level=20.0, background=Photograph("gravel", speed=speed))
+        yield _approach(name, fps, aside, level=20.0, background=Photograph(_gravel(seed), speed=speed))
 
 
-def _translations(fps: float, aside: float) -> Iterator[Trial]:
+def _translations(fps: float, aside: float, seed: int) -> Iterator[Trial]:
     """Discs of 10 degrees that cross the field."""
     for speed in SPEEDS:
         yield _crossing(translation(speed), fps, aside, speed=speed, **DARK)
@@ -193,11 +198,11 @@ def _translations(fps: float, aside: float) -> Iterator[Trial]:
         yield _crossing(translation(direction=direction), fps, aside, direction=direction, **DARK)
     for profile in ("linear", "accelerating"):
         yield _crossing(accelerating(profile), fps, aside, profile=profile, **DARK)
-    trial = _crossing(textured(translation()), fps, aside, **_textured_scene(**DARK))
-    yield dataclasses.replace(trial, textured=True)
+    trial = _crossing(textured(translation()), fps, aside, **_textured_scene(seed, **DARK))
+    yield dataclasses.replace(trial, textured=True, seed=seed)
 
 
-def _bars(fps: float, aside: float) -> Iterator[Trial]:
+def _bars(fps: float, aside: float, seed: int) -> Iterator[Trial]:
     """Bars of 16 degrees with one moving edge, on both grounds."""
     for shade, look in (("dark", DARK), ("light", LIGHT)):
         for grows in (True, False):
@@ -205,8 +210,8 @@ def _bars(fps: float, aside: float) -> Iterator[Trial]:
             edge = {"start": -40 + aside, "stop": 40 + aside, "level": look["level"]}
             name, end = bar(shade, grows), 80 / 60 * 1000
             yield Trial(name, functools.partial(family, background=look["background"], **edge), 0.0, end, fps)
-            scene = _photograph(look["background"])
-            yield Trial(textured(name), functools.partial(family, background=scene, **edge), 0.0, end, fps, True)
+            scene = _photograph(look["background"], seed)
+            yield Trial(textured(name), functools.partial(family, background=scene, **edge), 0.0, end, fps, True, seed)
 
 
 def _gratings(eye: Eye) -> Iterator[Trial]:
@@ -244,12 +249,21 @@ def _crossing(name: str, fps: float, aside: float, *, speed: float = 60.0, **loo
     return Trial(name, render, 0.0, 80 / speed * 1000, fps)
 
 
-def _textured_scene(level: float, background: float) -> dict[str, Any]:
+def _textured_scene(seed: int, level: float, background: float) -> dict[str, Any]:
     """Checks of 15 grey levels about the object's, over a photograph of the ground's mean."""
     checks = {"checks": 4, "level": level - 15, "check_level": level + 15}
-    return checks | {"background": _photograph(background)}
+    return checks | {"background": _photograph(background, seed)}
 
 
-def _photograph(level: float) -> Photograph:
+def _photograph(level: float, seed: int) -> Photograph:
     """Of low contrast, so that it stays within the grey levels."""
-    return Photograph("gravel", level=level, contrast=0.3)
+    return Photograph(_gravel(seed), level=level, contrast=0.3)
+
+
+def _gravel(seed: int):
+    """The photograph; by another seed turned round its edges, so that other stones lie behind the object."""
+    if seed == 0:
+        return "gravel"
+    image = Photograph("gravel").image
+    generator = np.random.default_rng(seed)
+    return np.roll(np.asarray(image), [generator.integers(size) for size in image.shape], axis=(0, 1))

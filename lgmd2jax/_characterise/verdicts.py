@@ -6,12 +6,12 @@ from jaxtyping import Array, Bool, Float
 from lgmd2jax._characterise.curves import Curves, curves_of
 from lgmd2jax._characterise.exam import Exam, ExamSums
 from lgmd2jax._characterise.properties import ROWS
-from lgmd2jax._network.abstract import Network
+from lgmd2jax._network.abstract import AbstractNetwork
 
 Values = tuple[Float[Array, " _line"], ...]
 
 
-def verdicts(exam: Exam, sums: ExamSums, model: Network) -> tuple[Values, Bool[Array, " row"]]:
+def verdicts(exam: Exam, sums: ExamSums, model: AbstractNetwork) -> tuple[Values, Bool[Array, " row"]]:
     """The values of each row's lines, and which rows hold, whatever the eye undersamples.
 
     It maps over models: `jax.vmap(lambda model: verdicts(exam, sums, model), in_axes=...)` over cell parameters costs

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from lgmd2jax._figures.response import BLACK, BLUE, GREEN, GREY, VERMILION, drawn
+from lgmd2jax._figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, drawn
 from lgmd2jax._signals import stretches
 from lgmd2jax.alarms import Evaluation, LabelledClip, Verdict
 from lgmd2jax.alarms._report import headline
@@ -68,7 +68,7 @@ def operating_figure(path: str | os.PathLike, watch: Evaluation) -> None:
     thresholds = np.linspace(0.5, min(highest + 0.02, 1.0), _STEPS)
     hits, false = watch.operating_curve(thresholds)
     score, most = watch.score(), max(float(false.max()), 1e-9)
-    warnings = [it.warning_ms for it in watch.verdicts() if not np.isnan(it.warning_ms)]
+    warnings = [verdict.warning_ms for verdict in watch.verdicts() if not np.isnan(verdict.warning_ms)]
     with drawn(path, 10, 3.4) as figure:
         curve, over, lead = figure.subplots(1, 3)
         curve.plot(false, hits, color=BLUE)
@@ -92,8 +92,8 @@ def worst_figure(path: str | os.PathLike, watch: Evaluation) -> None:
     with drawn(path, 10, 2.9 * len(rows)) as figure:
         grid = figure.add_gridspec(2 * len(rows), _PICTURES, height_ratios=[1.0, 1.3] * len(rows))
         for row, (clip, trace, verdict) in enumerate(rows):
-            shown = _moments(clip, trace)
-            for column, place in enumerate(shown):
+            places = _moments(clip, trace)
+            for column, place in enumerate(places):
                 axes = figure.add_subplot(grid[2 * row, column])
                 axes.imshow(clip.frames[place], cmap="gray", vmin=0, vmax=255, aspect="equal")
                 axes.set_title(f"{clip.time[place] / 1000:.2f} s", fontsize=7, pad=2)
@@ -109,10 +109,10 @@ def worst_figure(path: str | os.PathLike, watch: Evaluation) -> None:
             )
             axes.plot(seconds, np.maximum(trace, 0.4), color=BLACK)
             axes.axhline(watch.T_sp, color=VERMILION, linestyle="--", linewidth=1)
-            axes.plot(seconds[shown], np.maximum(trace[shown], 0.4), "o", color=BLUE, markersize=4)
+            axes.plot(seconds[places], np.maximum(trace[places], 0.4), "o", color=BLUE, markersize=4)
             axes.set(ylabel="evidence", xlim=(seconds[0], seconds[-1]))
-            said = "right" if verdict.right else "wrong"
-            axes.set_title(f"{clip.name}: {said}, margin {verdict.margin:+.3f}", loc="left", fontsize=8)
+            judgement = "right" if verdict.right else "wrong"
+            axes.set_title(f"{clip.name}: {judgement}, margin {verdict.margin:+.3f}", loc="left", fontsize=8)
             if row == len(rows) - 1:
                 axes.set_xlabel("time (s); green: an alarm is wanted, grey: silence; dashed: T_sp")
 

@@ -10,7 +10,7 @@ from matplotlib.gridspec import SubplotSpec
 
 from lgmd2jax._characterise import Characterisation
 from lgmd2jax._characterise.panels import OVER
-from lgmd2jax._figures.response import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, drawn
+from lgmd2jax._figures.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, drawn
 
 _COLOURS, _MARKS = (BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, BLACK), "os^Dv<>"
 _TIMES = "peak time before collision (ms)"
@@ -59,10 +59,10 @@ def _panel(figure: Figure, place: SubplotSpec, name: str, models: Mapping[str, C
     title, low, high = _TITLES[name]
     if low is not None and high is not None:
         axes.axhspan(low, high, color=GREEN, alpha=0.13, linewidth=0)
-    for i, ((model, found), colour, mark) in enumerate(zip(models.items(), _COLOURS, _MARKS, strict=False)):
+    for i, ((model, result), colour, mark) in enumerate(zip(models.items(), _COLOURS, _MARKS, strict=False)):
         aside = 0.14 * (i - (len(models) - 1) / 2) if words else 0  # so that equal values are all seen
         line = "" if words or name == _TIMES else "-"
-        axes.plot(x + aside, found.panels[name], mark, color=colour, markersize=4.5, linestyle=line, label=model)
+        axes.plot(x + aside, result.panels[name], mark, color=colour, markersize=4.5, linestyle=line, label=model)
     axes.set_title(title, loc="left")
     axes.set(xlabel=over, ylabel=name.split(",")[0])
     _ticks(axes, name, places, x)
@@ -70,7 +70,7 @@ def _panel(figure: Figure, place: SubplotSpec, name: str, models: Mapping[str, C
         _fitted_lines(axes, x, models)
     elif name == "peak R, approach":
         axes.set(xscale="log")
-        axes.set_xticks(x, [f"{it:g}" for it in x], minor=False)
+        axes.set_xticks(x, [f"{value:g}" for value in x], minor=False)
         axes.minorticks_off()
     if name.startswith(("peak R", "mean R", "largest R")):
         bottom, top = axes.get_ylim()
@@ -80,7 +80,7 @@ def _panel(figure: Figure, place: SubplotSpec, name: str, models: Mapping[str, C
 
 def _ticks(axes: Axes, name: str, places, x) -> None:
     if name == _CHANGES:
-        axes.set_xticks(x, [it.split()[2] + ("\nin 1 s" if it.endswith("1 s") else "") for it in places])
+        axes.set_xticks(x, [place.split()[2] + ("\nin 1 s" if place.endswith("1 s") else "") for place in places])
         for i in range(0, len(places), 4):
             part, way, *_ = places[i].split()
             axes.text(i + 1.5, 0.97, f"{part} {way}", ha="center", va="top", transform=axes.get_xaxis_transform())
@@ -88,7 +88,7 @@ def _ticks(axes: Axes, name: str, places, x) -> None:
                 axes.axvline(i - 0.5, color=GREY, linewidth=0.6)
         axes.set_xlabel("grey levels")
     elif isinstance(places[0], str):
-        axes.set_xticks(x, [it.replace("0.", ".") for it in places])
+        axes.set_xticks(x, [place.replace("0.", ".") for place in places])
     elif name == "peak R, direction":
         axes.set_xticks(x)
 
@@ -96,9 +96,9 @@ def _ticks(axes: Axes, name: str, places, x) -> None:
 def _fitted_lines(axes: Axes, x: np.ndarray, models: Mapping[str, Characterisation]) -> None:
     """The line alpha l/|v| - delta, with the frame put back that is taken off delta."""
     far = np.array([0, x[-1]])
-    for found, colour in zip(models.values(), _COLOURS, strict=False):
-        alpha, delta = (found.selectivity[name].value for name in ("alpha", "delta"))
-        axes.plot(far, alpha * far - delta - 1000 / found.eye.fps, color=colour, linewidth=1)
+    for result, colour in zip(models.values(), _COLOURS, strict=False):
+        alpha, delta = (result.selectivity[name].value for name in ("alpha", "delta"))
+        axes.plot(far, alpha * far - delta - 1000 / result.eye.fps, color=colour, linewidth=1)
     axes.plot(far, 4.4 * far - 18.7, color=GREY, linestyle=(0, (4, 3)), linewidth=1)
     axes.annotate("locust", (far[1], 4.4 * far[1] - 18.7), (-4, 0), textcoords="offset points", ha="right", color=GREY)
 
@@ -107,12 +107,12 @@ def _verdicts(axes: Axes, models: Mapping[str, Characterisation]) -> None:
     """A square for each row of each model."""
     colours = {True: _PASS, False: _FAIL, None: _OPEN}
     marks = {True: "", False: "x", None: "-"}
-    for i, found in enumerate(models.values()):
-        for it in found.rows:
-            axes.barh(i, 0.94, 0.88, it.number - 0.47, color=colours[it.passed])
-            axes.text(it.number, i, marks[it.passed], ha="center", va="center", fontsize=8)
-    axes.set_yticks(range(len(models)), [f"{name}  {it.passed}/{it.judged}" for name, it in models.items()])
-    axes.set_xticks(range(1, 23), [f"{it}" for it in range(1, 23)])
+    for i, result in enumerate(models.values()):
+        for row in result.rows:
+            axes.barh(i, 0.94, 0.88, row.number - 0.47, color=colours[row.passed])
+            axes.text(row.number, i, marks[row.passed], ha="center", va="center", fontsize=8)
+    axes.set_yticks(range(len(models)), [f"{name}  {result.passed}/{result.judged}" for name, result in models.items()])
+    axes.set_xticks(range(1, 23), [f"{number}" for number in range(1, 23)])
     axes.set(xlim=(0.5, 22.5), ylim=(len(models) - 0.5, -0.5))
     axes.set_title("which of the 22 hold (x: fails; -: not judged); green above: where they do", loc="left")
     axes.grid(False)

@@ -2,23 +2,18 @@
 
 import os
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
-from lgmd2jax._figures.response import BLACK, BLUE, GREY, VERMILION, drawn
+from lgmd2jax._channels import TARGETS, Channel
+from lgmd2jax._figures.style import BLACK, BLUE, GREY, VERMILION, drawn
 from lgmd2jax.fitting import Curve, Fit, Run, Uncertainty
 from lgmd2jax.fitting._curve import DISAGREEMENT
 
-# What stands at the axis, and the height of a panel in inches.
-_CHANNELS: Mapping[str, tuple[str, float]] = {
-    "rate": ("firing rate (spikes/s)", 1.9),
-    "smp_adapted": ("adapted SMP", 1.5),
-    "smp": ("SMP", 1.5),
-    "spikes": ("spikes a frame", 0.9),
-}
+_HEIGHTS = {"rate": 1.9, "smp_adapted": 1.5, "smp": 1.5, "spikes": 0.9}  # of a panel, in inches
 _COLUMNS = 5  # at most
 _PAGE, _NARROWEST, _WIDEST = 9.0, 2.3, 5.5  # inches: of a page with few panels, and of a panel
 _LETTERS = 16  # of a condition's name, on an inch
@@ -34,11 +29,11 @@ def fit_figure(path: str | os.PathLike, curves: Sequence[Curve], name: str) -> N
     All panels of a channel have the same axis, so that conditions compare. The target is drawn where it counts.
     """
     conditions = _conditions(curves)
-    channels = [channel for channel in _CHANNELS if any(channel in condition for condition in conditions)]
-    limits = {channel: _limits([it for it in curves if it.channel == channel]) for channel in channels}
+    channels = [channel for channel in TARGETS if any(channel in condition for condition in conditions)]
+    limits = {channel: _limits([curve for curve in curves if curve.channel == channel]) for channel in channels}
     blocks = -(-len(conditions) // _COLUMNS)
     columns = -(-len(conditions) // blocks)
-    heights = [_CHANNELS[channel][1] for channel in channels] * blocks
+    heights = [_HEIGHTS[channel] for channel in channels] * blocks
     panel = min(max(_PAGE / columns, _NARROWEST), _WIDEST)
     with drawn(path, max(0.7 + panel * columns, 6.5), 1.1 + sum(heights) + 0.4 * len(heights)) as figure:
         figure.suptitle(_verdict(curves, name))
@@ -46,13 +41,13 @@ def fit_figure(path: str | os.PathLike, curves: Sequence[Curve], name: str) -> N
         legend, labelled = {}, set()
         for i, condition in enumerate(conditions):
             block, column = divmod(i, columns)
-            panels = [grid[block * len(channels) + channels.index(it), column] for it in condition]
+            panels = [grid[block * len(channels) + channels.index(channel), column] for channel in condition]
             for axes, curve in zip(panels, condition.values(), strict=True):
                 _panel(axes, curve, limits[curve.channel])
                 legend |= dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
                 first = (block, curve.channel) not in labelled
                 labelled.add((block, curve.channel))
-                axes.set_ylabel(_CHANNELS[curve.channel][0] if first else "")
+                axes.set_ylabel(_axis_label(curve.channel) if first else "")
                 axes.tick_params(labelleft=first, labelbottom=axes is panels[-1])
             title = textwrap.fill(next(iter(condition.values())).condition, int(_LETTERS * panel))
             panels[0].set_title(f"{title}\n{panels[0].get_title(loc='left')}", loc="left", fontsize=8)
@@ -64,6 +59,11 @@ def fit_figure(path: str | os.PathLike, curves: Sequence[Curve], name: str) -> N
         figure.legend(legend.values(), legend.keys(), loc="outside lower center", ncols=len(legend))
 
 
+def _axis_label(channel: Channel) -> str:
+    described = TARGETS[channel]
+    return f"{described.label} ({described.unit})" if channel == "rate" else described.label
+
+
 def _conditions(curves: Sequence[Curve]) -> list[dict[str, Curve]]:
     """The curves of each condition by channel. A channel that comes again begins a new one, for names may repeat."""
     conditions, name = [], None
@@ -71,7 +71,7 @@ def _conditions(curves: Sequence[Curve]) -> list[dict[str, Curve]]:
         if curve.condition != name or curve.channel in conditions[-1]:
             conditions.append({})
         conditions[-1][curve.channel], name = curve, curve.condition
-    return [{channel: it[channel] for channel in _CHANNELS if channel in it} for it in conditions]
+    return [{channel: curves[channel] for channel in TARGETS if channel in curves} for curves in conditions]
 
 
 def _verdict(curves: Sequence[Curve], name: str) -> str:
@@ -80,15 +80,15 @@ def _verdict(curves: Sequence[Curve], name: str) -> str:
     met = f"meets {len(curves) - missed} of {len(curves)} targets" if missed else f"meets all {len(curves)} targets"
     explained = [r2 for curve in curves if not np.isnan(r2 := curve.r2())]
     low, high = (min(explained), max(explained)) if explained else (0.0, 0.0)
-    found = f", R² {low:.3f}" + (f" to {high:.3f}" if len(explained) > 1 else "") if low > 0 else ""
-    return f"Fit {name}: the hard model {met}{found}"
+    explains = f", R² {low:.3f}" + (f" to {high:.3f}" if len(explained) > 1 else "") if low > 0 else ""
+    return f"Fit {name}: the hard model {met}{explains}"
 
 
 def _limits(curves: Sequence[Curve]) -> tuple[float, float]:
     """What holds all curves of a channel. Bands may leave it: an undetermined one would flatten the rest."""
-    shown = [it for curve in curves for it in (_counted(curve), curve.soft, curve.hard)]
-    shown += [_counted(curve) + sign * curve.sem for curve in curves for sign in (-1, 1)]
-    low, high = np.nanmin(np.concatenate(shown)), np.nanmax(np.concatenate(shown))
+    drawn_values = [values for curve in curves for values in (_counted(curve), curve.soft, curve.hard)]
+    drawn_values += [_counted(curve) + sign * curve.sem for curve in curves for sign in (-1, 1)]
+    low, high = np.nanmin(np.concatenate(drawn_values)), np.nanmax(np.concatenate(drawn_values))
     margin = 0.06 * max(high - low, 0.02)
     return float(low - margin), float(high + margin)
 
@@ -107,6 +107,10 @@ def _panel(axes: Axes, curve: Curve, limits: tuple[float, float]) -> None:
         low, high = curve.soft - band, curve.soft + band
         axes.fill_between(curve.time, low, high, color=BLUE, alpha=0.2, linewidth=0, label="soft, 95 % band")
     drawstyle = "steps-mid" if curve.channel == "spikes" else "default"
+    counted = np.pad(np.isfinite(target), 1)
+    alone = counted[1:-1] & ~counted[:-2] & ~counted[2:]
+    if alone.any():  # no line leads to a value whose neighbours do not count
+        axes.plot(curve.time[alone], target[alone], ".", color=BLACK)
     for label, values, colour, width, dashes in (
         ("target", target, BLACK, 2.2, "-"),
         ("soft", curve.soft, BLUE, 1.2, "-"),
@@ -164,8 +168,8 @@ def _waterfall(screened: Axes, descended: Axes, fit: Fit) -> None:
 
 def _floor(values) -> float:
     """What stands for nothing on a logarithmic axis: below all that is seen, but not by endless decades."""
-    seen = [value for value in values if np.isfinite(value) and value > 0]
-    return max(min(seen) / 2, max(seen) * 10.0**-_DECADES) if seen else 1.0
+    positive = [value for value in values if np.isfinite(value) and value > 0]
+    return max(min(positive) / 2, max(positive) * 10.0**-_DECADES) if positive else 1.0
 
 
 def _history(axes: Axes, runs: Sequence[Run], temperatures: Sequence[float]) -> None:
@@ -256,7 +260,7 @@ def _gaps(axes: Axes, curves: Sequence[Curve]) -> None:
     axes.bar_label(bars, fmt=lambda gap: f"{gap:.2g}" if gap >= 0.01 else "0", padding=2, fontsize=6, bbox=paper)
     axes.axvline(100 * DISAGREEMENT, color=BLACK, linestyle=(0, (4, 2)), linewidth=0.8, label="said to differ")
     axes.legend(loc="lower right")
-    labels = [f"{curve.condition}, {_CHANNELS[curve.channel][0].split(' (')[0]}" for curve in curves]
+    labels = [f"{curve.condition}, {TARGETS[curve.channel].label}" for curve in curves]
     axes.set_yticks(places, labels, fontsize=7 if len(curves) < 16 else 6)
     axes.set(title="gap of soft and hard", xlabel="% of the span", ylim=(max(len(curves), _BARS) + 0.6, -0.6))
     axes.set_xlim(0, 1.2 * max(gaps.max(), 100 * DISAGREEMENT))

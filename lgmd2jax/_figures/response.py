@@ -1,68 +1,18 @@
-"""Figures of the library: one style, applied while a figure is drawn and nowhere else. Only this touches matplotlib."""
+"""The figure of a response: what the cell did over a clip."""
 
-import contextlib
 import os
-from collections.abc import Iterator, Sequence
-from pathlib import Path
+from collections.abc import Sequence
 
 import numpy as np
-from matplotlib import style
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
-from matplotlib.rcsetup import cycler
 from matplotlib.ticker import EngFormatter, MaxNLocator
 
+from lgmd2jax._figures.style import BLACK, BLUE, GREEN, SKY, VERMILION, drawn
 from lgmd2jax._network.parameters import ParameterSet
 from lgmd2jax._video.snapshots import Snapshot
 from lgmd2jax._video.trace import Trace
-
-# Okabe & Ito's colours, which stay apart for colour-blind eyes. Each keeps its meaning in every figure.
-BLACK, GREY = "#000000", "#8c8c8c"
-BLUE, SKY, GREEN, ORANGE, VERMILION, PURPLE = "#0072B2", "#56B4E9", "#009E73", "#E69F00", "#D55E00", "#CC79A7"
-
-STYLE = {
-    "axes.axisbelow": True,
-    "axes.grid": True,
-    "axes.labelsize": 9,
-    "axes.prop_cycle": cycler(color=[BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, BLACK]),
-    "axes.spines.right": False,
-    "axes.spines.top": False,
-    "axes.titlesize": 9,
-    "figure.dpi": 150,
-    "figure.titlesize": 11,
-    "font.family": "sans-serif",
-    "font.sans-serif": ["DejaVu Sans"],
-    "font.size": 9,
-    "grid.alpha": 0.25,
-    "grid.linewidth": 0.5,
-    "legend.fontsize": 8,
-    "legend.frameon": False,
-    "lines.linewidth": 1.3,
-    "savefig.dpi": 150,
-    "svg.hashsalt": "lgmd2jax",
-    "xtick.labelsize": 8,
-    "ytick.labelsize": 8,
-}
-
-
-@contextlib.contextmanager
-def drawn(path: str | os.PathLike, width: float | int, height: float | int) -> Iterator[Figure]:
-    """An empty figure in the library's style, its size in inches, saved at `path` when the block ends.
-
-    It is made without pyplot, so no window, no backend and no setting of the user's is touched.
-    """
-    with style.context(STYLE):
-        figure = Figure(figsize=(width, height), layout="constrained")
-        yield figure
-        figure.savefig(path)
-
-
-def check_figure_path(path: str | os.PathLike) -> None:
-    """Raise `ValueError` for a name whose suffix is no format that a figure can be written in."""
-    known = Figure().canvas.get_supported_filetypes()
-    if Path(path).suffix[1:].lower() not in known:
-        raise ValueError(f"cannot tell the format of the figure {path}; end its name in .png, .pdf or .svg")
 
 
 def response_figure(

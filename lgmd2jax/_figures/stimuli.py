@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from lgmd2jax._figures.contact_sheet import Card
-from lgmd2jax._figures.response import BLUE, GREY, VERMILION, drawn
+from lgmd2jax._figures.style import BLUE, GREY, VERMILION, drawn
 
 COLUMNS, ROWS = 3, 8
 PAGE = COLUMNS * ROWS  # cards on one sheet

@@ -12,29 +12,29 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FormatStrFormatter, LogLocator, MaxNLocator, NullFormatter
 
-from lgmd2jax._figures.response import BLACK, BLUE, VERMILION, drawn
+from lgmd2jax._figures.style import BLACK, BLUE, VERMILION, drawn
 
 _LEVELS = 6  # contours at most
 
 
 def surface_figure(
-    path: str | os.PathLike, found: Any, value: str, index: str | None, thresholds: Mapping[str, float], title: str
+    path: str | os.PathLike, responses: Any, value: str, index: str | None, thresholds: Mapping[str, float], title: str
 ) -> None:
     """A heat map of one summary over two axes, thresholds drawn, with median and quartiles along each.
 
-    **Arguments:** `found`: an `xarray.Dataset`. `index`: a third axis of two values a and b, along which
+    **Arguments:** `responses`: an `xarray.Dataset`. `index`: a third axis of two values a and b, along which
     (a - b)/(a + b) is shown instead. `thresholds`: levels that are drawn, by what they are called.
     """
-    surface, meaning = found[value].squeeze(drop=True), found[value].attrs["long_name"]
+    surface, meaning = responses[value].squeeze(drop=True), responses[value].attrs["long_name"]
     unit, limits = surface.attrs["units"], None
     label = value + ("" if unit == "1" else f" ({unit})")
     if index is not None:
         a, b = (surface.isel({index: i}, drop=True) for i in (0, 1))
-        first, second = (f"{index} {it:g}" for it in found[index].values)
+        first, second = (f"{index} {end:g}" for end in responses[index].values)
         surface, limits = (a - b) / (a + b).where(a + b > 0), (-1.0, 1.0)
         label = f"index of {value}: 1 if {first} alone is answered, -1 if {second}"
     rows, columns = surface.dims
-    x, y, z = found[columns], found[rows], surface.values
+    x, y, z = responses[columns], responses[rows], surface.values
     with drawn(path, 7.6, 6) as figure:
         figure.suptitle(f"{title}: {meaning}")
         grid = figure.add_gridspec(2, 2, width_ratios=(4, 1.2), height_ratios=(1, 4))
@@ -70,10 +70,10 @@ def _map(
 ) -> None:
     low, high = float(np.nanmin(z)), float(np.nanmax(z))
     colours, norm = ("viridis", Normalize(low, high)) if limits is None else ("PuOr_r", Normalize(*limits))
-    shown = axes.pcolormesh(x, y, z, cmap=colours, norm=norm, shading="nearest", rasterized=True)
+    picture = axes.pcolormesh(x, y, z, cmap=colours, norm=norm, shading="nearest", rasterized=True)
     axes.grid(False)
-    bar = figure.colorbar(shown, ax=axes, location="bottom", label=label, shrink=0.8, aspect=40)
-    levels = [it for it in MaxNLocator(_LEVELS).tick_values(low, high) if low < it < high]
+    bar = figure.colorbar(picture, ax=axes, location="bottom", label=label, shrink=0.8, aspect=40)
+    levels = [level for level in MaxNLocator(_LEVELS).tick_values(low, high) if low < level < high]
     if levels:
         bar.add_lines(axes.contour(x, y, z, levels=levels, colors=BLACK, linewidths=0.5, linestyles="solid"))
     for name, level in thresholds.items():

@@ -2,11 +2,12 @@
 
 import contextlib
 import os
-import secrets
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
+
+from lgmd2jax._files.temporary import temporary_beside
 
 
 @contextlib.contextmanager
@@ -23,7 +24,7 @@ def replaced(path: str | os.PathLike) -> Iterator[Path]:
         raise ValueError(f"the folder {path.parent} does not exist; make it first, or write {path.name} elsewhere")
     if path.exists() and not path.is_file():
         raise ValueError(f"{path} exists and is not a file; give another name")
-    temporary = path.with_name(f".{path.stem}.{secrets.token_hex(4)}{path.suffix}")
+    temporary = temporary_beside(path)
     try:
         temporary.touch(exist_ok=False)
     except OSError as error:

@@ -38,8 +38,8 @@ def locate(name: str | Path, kind: str, suffix: str = ".toml") -> Path:
             return shipped
     if path.is_dir():
         raise FileNotFoundError(f"{bare} is a folder; give a file")
-    found = (file.relative_to(folder(kind)).as_posix() for file in folder(kind).glob(f"*{suffix}"))
-    known = nearest(bare, [file.removesuffix(suffix) for file in found])
+    shipped = (file.relative_to(folder(kind)).as_posix() for file in folder(kind).glob(f"*{suffix}"))
+    known = nearest(bare, [file.removesuffix(suffix) for file in shipped])
     raise FileNotFoundError(f"no such file: {bare}" + (f"; by name, choose {known}" if known else ""))
 
 

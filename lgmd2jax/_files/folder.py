@@ -3,11 +3,12 @@
 import contextlib
 import ctypes
 import os
-import secrets
 import shutil
 import sys
 from collections.abc import Collection, Iterator
 from pathlib import Path
+
+from lgmd2jax._files.temporary import is_temporary, temporary_beside
 
 
 @contextlib.contextmanager
@@ -21,7 +22,7 @@ def replaced_folder(folder: Path, marker: str, own: Collection[str]) -> Iterator
     **Raises:** `ValueError` as `check_folder`.
     """
     check_folder(folder, marker)
-    temporary = folder.absolute().with_name(f".{folder.absolute().name}.{secrets.token_hex(4)}")
+    temporary = temporary_beside(folder.absolute())
     try:
         temporary.mkdir()
     except OSError as error:
@@ -30,7 +31,7 @@ def replaced_folder(folder: Path, marker: str, own: Collection[str]) -> Iterator
         yield temporary
         if folder.exists():
             for other in folder.iterdir():
-                if other.name not in own:
+                if other.name not in own and not is_temporary(other):
                     (shutil.copytree if other.is_dir() else shutil.copy2)(other, temporary / other.name)
             _exchange(temporary, folder)
         else:
@@ -42,7 +43,8 @@ def replaced_folder(folder: Path, marker: str, own: Collection[str]) -> Iterator
 def check_folder(folder: Path, marker: str) -> None:
     """Raise `ValueError` for a path at which results cannot be written: no folder, one of something else, no parent."""
     if folder.is_dir():
-        if any(folder.iterdir()) and not (folder / marker).is_file():
+        # What a killed process left there is nothing of anybody's.
+        if not all(map(is_temporary, folder.iterdir())) and not (folder / marker).is_file():
             raise ValueError(f"{folder} holds something else than results (there is no {marker}); name another folder")
     elif folder.exists():
         raise ValueError(f"{folder} exists and is not a folder; name another one")

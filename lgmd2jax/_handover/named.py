@@ -7,7 +7,7 @@ import equinox as eqx
 
 from lgmd2jax._files.catalogue import locate
 from lgmd2jax._handover.model_file import load
-from lgmd2jax._network.abstract import AnyNetwork, Network
+from lgmd2jax._network.abstract import AbstractNetwork, AnyNetwork
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._network.parameters import PRESETS, preset, symbols
 from lgmd2jax._network.yue_rind import YueRindLGMD1
@@ -16,7 +16,7 @@ from lgmd2jax._words import nearest
 _PRESET, _YUE_RIND = "preset:", "yue_rind"
 
 
-def model_named(name: str) -> Network:
+def model_named(name: str) -> AbstractNetwork:
     """The model of a path, of a shipped fit's bare name, or of `preset:NAME`; `preset:yue_rind` is the LGMD1.
 
     **Raises:** `ValueError` for a preset or a file that is none, `FileNotFoundError` for a file that is not there.

@@ -141,6 +141,8 @@ class AbstractNetwork(eqx.Module):
         if len(frames) < 2:
             count = "one frame" if len(frames) else "0 frames"
             raise ValueError(f"frames holds {count}; the network sees changes, so give at least 2")
+        if is_concrete(frames) and 0 < np.ptp(levels := np.asarray(frames)) <= levels.max() <= 1:
+            warnings.warn("frames lie in 0..1; were grey levels in 0..255 meant? Multiply by 255", stacklevel=2)
         lasts = self._interval(fps, interval, (len(frames),))
         check_domains(self.parameters)
         self._check_conflicts()
@@ -246,7 +248,6 @@ class AbstractNetwork(eqx.Module):
         return response
 
 
-Network = AbstractNetwork
 AnyNetwork = TypeVar("AnyNetwork", bound=AbstractNetwork)
 Stage = TypeVar("Stage", bound=AbstractPixels | AbstractCell)
 

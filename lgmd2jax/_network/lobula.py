@@ -1,5 +1,6 @@
 """The lobula: the LGMD cell (eqs 12-17). It sees two numbers a frame, MP and F, and keeps a handful of state."""
 
+import dataclasses
 import math
 
 import equinox as eqx
@@ -11,7 +12,7 @@ from lgmd2jax._network.low_pass import LowPass, coefficient, low_pass
 from lgmd2jax._network.parameter_set import declared
 from lgmd2jax._network.parameters import Parameters
 from lgmd2jax._network.retina import magnitude
-from lgmd2jax._network.stages import AbstractCell, Response, Sums
+from lgmd2jax._network.stages import AbstractCell, Interval, Response, Sums
 from lgmd2jax._network.thresholds import Thresholds
 from lgmd2jax._types import Scalar
 
@@ -75,6 +76,14 @@ class Cell(AbstractCell):
         state, response = self._react(state, late, interval, pixels)
         return eqx.tree_at(lambda s: s.past, state, past, is_leaf=lambda leaf: leaf is None), _as_seen(response, sums)
 
+    def over(self, sums: Sums, interval: Interval, pixels: int) -> Response:
+        """The same for a clip. By a steady clock the past is a shift, which need not be carried along."""
+        if "lag" not in self.mechanisms or interval.ndim:
+            return super().over(sums, interval, pixels)
+        late = Sums(*(_shifted(channel, self.parameters.lag / interval) for channel in sums))
+        without = dataclasses.replace(self, mechanisms=tuple(name for name in self.mechanisms if name != "lag"))
+        return _as_seen(without.over(late, interval, pixels), sums)
+
     def _react(self, state: CellState, sums: Sums, interval: Scalar, pixels: int) -> tuple[CellState, Response]:
         v = self.parameters
         ffi = low_pass(state.ffi, sums.f, coefficient(v.tau2, interval, self.low_pass))
@@ -124,6 +133,15 @@ def shunted(drive: Scalar, ffi: Scalar, threshold: Scalar, m: Scalar, gamma: Sca
     """The excitation x = ((d + eps)^gamma - eps^gamma)/(1 + (Fbar/A)^m), by logarithms, which do not overflow."""
     power = (drive + _SMALL) ** gamma - _SMALL**gamma
     return power * jax.nn.sigmoid(m * (jnp.log(threshold) - jnp.log(ffi + _LEAST)))
+
+
+def _shifted(channel: Float[Array, " time"], frames: Scalar) -> Float[Array, " time"]:
+    """The channel so many frames late, linear between them, 0 before the first one."""
+    whole = jnp.floor(frames)
+    rest, index = frames - whole, jnp.arange(len(channel)) - whole.astype(int)
+    newer, older = (jnp.where(place >= 0, channel[jnp.maximum(place, 0)], 0) for place in (index, index - 1))
+    between = jnp.where(rest > 0, newer + rest * (older - newer), newer)  # NaN stays where it is
+    return jnp.where(index - (rest > 0) < 0, 0, between)
 
 
 def _remembered(past: Past, sums: Sums, interval: Scalar) -> Past:

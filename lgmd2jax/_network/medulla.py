@@ -6,13 +6,10 @@ Pure functions of one frame; the delay of eq. 4 is `low_pass.low_pass`.
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from lgmd2jax._network.low_pass import low_pass
 from lgmd2jax._network.maps import Bordered, inside
 from lgmd2jax._network.parameters import Parameters
 from lgmd2jax._network.thresholds import Thresholds
 from lgmd2jax._types import Map, Scalar
-
-_STEP_FRAMES = 15  # within which D has risen to its peak after a step
 
 
 def lateral(d: Bordered) -> Map:
@@ -46,21 +43,6 @@ def gate(s: Map, T_s: Float[Array, ""], thresholds: Thresholds) -> Map:
 def hold(held: Map, changed: Map, tau_hold: Scalar, interval: Scalar) -> Map:
     """Size-coding inhibition: M = a + (1 - a) lambda M, lambda = exp(-ti/tau_hold), where `changed` is a in [0, 1]."""
     return changed + (1 - changed) * jnp.exp(-interval / tau_hold) * held
-
-
-def step_peak(a: Scalar, sigma1: Scalar, persists: Float[Array, " n_p"]) -> Scalar:
-    """What D reaches in a pixel after a step of luminance by 1: a in its first frame, more where the flow outlasts it.
-
-    **Arguments:** `a` of the delay (eq. 4); `persists`, the shares of eq. 1.
-    """
-    p, flow, d = [jnp.ones_like(a)], jnp.ones_like(a), a
-    peak = d
-    for _ in range(_STEP_FRAMES):
-        p = [sum((share * past for share, past in zip(persists, p, strict=False)), jnp.zeros_like(a)), *p]
-        flow = p[0] + sigma1 * flow
-        d = low_pass(d, flow, a)
-        peak = jnp.maximum(peak, d)
-    return peak
 
 
 def g_layer(s_gated: Bordered) -> Map:

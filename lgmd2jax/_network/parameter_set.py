@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+import warnings
 from collections.abc import Callable
 from typing import Literal, NamedTuple
 
@@ -139,6 +140,11 @@ class ParameterSet(eqx.Module):
                     f"jax.vmap(lambda value: {kind}({name}=value))(values)"
                 )
         check_domains(self)
+        for name, symbol in declared(type(self)).items():
+            value = getattr(self, name)
+            # Still less is meant to be no delay at all.
+            if symbol.unit == "ms" and is_concrete(value) and 1e-3 <= (ms := float(value)) < 1:
+                warnings.warn(f"{name} is {ms:.4g} ms; was {1000 * ms:.4g} ms meant, given in seconds?", stacklevel=5)
 
     def __repr__(self):
         rows, width = [], max(map(len, declared(type(self))))

@@ -90,8 +90,7 @@ class Pixels(PixelParts):
         history = jnp.concatenate([p[None], traces.p])[: self.n_p]
         if traces.held is None:
             return Traces(history, on, off, d_on, d_off), retina.mean_change(inside(p)), p
-        peak = medulla.step_peak(a, self.parameters.sigma1, retina.persistence(self.parameters.u, self.n_p))
-        changed = self.thresholds.change(inside(d_on + d_off), peak * self.parameters.T_p)
+        changed = self.thresholds.change(inside(d_on + d_off), a * self.parameters.T_p)
         held = medulla.hold(traces.held, changed, self.parameters.tau_hold, interval)
         return Traces(history, on, off, d_on, d_off, held), pool(held, 1 / held.size), p
 

@@ -2,7 +2,8 @@
 
 import difflib
 import inspect
-from collections.abc import Callable, Collection, Mapping
+import typing
+from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +30,11 @@ def arguments(callee: Callable, table: Mapping[str, Any], folder: Path) -> dict[
 def keywords(callee: Callable) -> dict[str, inspect.Parameter]:
     """The keywords that a renderer takes, or the fields of a class, by name."""
     every = inspect.signature(callee).parameters.items()
-    return {name: it for name, it in every if it.kind is it.KEYWORD_ONLY or inspect.isclass(callee)}
+    return {
+        name: parameter
+        for name, parameter in every
+        if parameter.kind is parameter.KEYWORD_ONLY or inspect.isclass(callee)
+    }
 
 
 def check_keys(table: Mapping[str, Any], known: Collection[str]) -> None:
@@ -45,12 +50,12 @@ def section(table: Mapping[str, Any], key: str, known: Collection[str] | None = 
 
     **Raises:** `ValueError` for what is no table, and for a key in it that is not `known`.
     """
-    found = table.get(key, {})
-    if not isinstance(found, dict):
-        raise ValueError(f"{key} is {found!r}; write it as a table [{key}]")
+    part = table.get(key, {})
+    if not isinstance(part, dict):
+        raise ValueError(f"{key} is {part!r}; write it as a table [{key}]")
     if known is not None:
-        check_keys(found, known)
-    return found
+        check_keys(part, known)
+    return part
 
 
 def check_complete(table: Mapping[str, Any], callee: Callable) -> None:
@@ -66,11 +71,18 @@ def located(path: str, folder: Path) -> str:
 
 
 def _value(key: str, value: Any, annotation: Any, folder: Path) -> Any:
+    origins = {typing.get_origin(choice) for choice in (annotation, *typing.get_args(annotation))}
+    if Mapping in origins or (Sequence in origins and isinstance(value, list)):
+        return _collection(key, value, Mapping if Mapping in origins else Sequence)
     allowed = tuple(parts_of(annotation))
     if isinstance(value, Mapping):
         return _object(key, value, allowed, folder)
     if Any in allowed:  # the field of an object that converts and checks by itself
         return located(value, folder) if key == "image" and isinstance(value, str) else value
+    if allowed == (bool,):
+        if not isinstance(value, bool):
+            raise ValueError(f"{key} is {value!r}; give true or false")
+        return value
     text = str in allowed or any(isinstance(choice, str) for choice in allowed)
     if text and isinstance(value, str):
         return value
@@ -79,6 +91,17 @@ def _value(key: str, value: Any, annotation: Any, folder: Path) -> Any:
     if int in allowed and isinstance(value, int) and not isinstance(value, bool):
         return value
     wanted = "a text" if text else "a number" if float in allowed else "a whole number" if int in allowed else "a table"
+    raise ValueError(f"{key} is {value!r}; give {wanted}")
+
+
+def _collection(key: str, value: Any, kind: type) -> Any:
+    """A table of texts and numbers, or a list of texts."""
+    if kind is Sequence and all(isinstance(element, str) for element in value):
+        return tuple(value)
+    plain = isinstance(value, Mapping) and all(isinstance(element, (str, int, float)) for element in value.values())
+    if kind is Mapping and plain:
+        return dict(value)
+    wanted = "a list of texts" if kind is Sequence else "a table of texts and numbers"
     raise ValueError(f"{key} is {value!r}; give {wanted}")
 
 

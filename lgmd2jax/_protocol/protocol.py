@@ -32,6 +32,8 @@ class Condition:
     - `parameters`: the renderer's keyword arguments; what is left out has the family's own default.
     - `camera`: what films the stimulus, as keyword arguments of `lgmd2jax.stimuli.camera` and a `seed`; None for none.
     - `targets`: the curves that a fit compares with: a `Target`, or what becomes one on the stimulus.
+
+    **Raises:** `ValueError` for a family that there is not, and for a parameter that it does not take.
     """
 
     name: str
@@ -40,6 +42,14 @@ class Condition:
     parameters: Mapping[str, Any]
     camera: Mapping[str, Any] | None = None
     targets: tuple[AnyTarget, ...] = ()
+
+    def __post_init__(self):
+        if self.family not in FAMILIES:
+            raise ValueError(f"family is {self.family!r}; choose {nearest(self.family, FAMILIES)}")
+        try:
+            check_keys(self.parameters, keywords(FAMILIES[self.family]))
+        except ValueError as error:
+            raise ValueError(f"condition {self.name!r}: {error}") from error
 
     def render(self) -> Stimulus:
         """The stimulus, under the name of the condition.
@@ -94,10 +104,14 @@ def load_protocol(source: str | Path) -> Protocol:
     **Raises:** `FileNotFoundError` for a file that is not there; `ValueError`, which names file, condition and key, for
     what is not a protocol.
     """
-    return read_named(source, "stimuli", _protocol)
+    return read_named(source, "stimuli", protocol_of)
 
 
-def _protocol(path: Path, document: dict[str, Any]) -> Protocol:
+def protocol_of(path: Path, document: dict[str, Any]) -> Protocol:
+    """The protocol that a TOML file holds.
+
+    **Raises:** `ValueError`, which names condition and key, for what is not a protocol.
+    """
     if {"clip", "rendered"} & document.keys():
         raise ValueError("it holds labelled clips, for recipes of kind 'alarms': see lgmd2jax.alarms.load_labels")
     return Protocol(path.stem, _conditions(document, path.parent.resolve()))

@@ -31,15 +31,17 @@ def target(table: Table, folder: Path) -> AnyTarget:
 
     ```toml
     [[condition.target]]                  # a recorded curve
-    file = "targets/psth.csv"             # its first column is the time in ms
+    file = "targets/psth.csv"             # with a column named like a time, such as time_ms
     channel = "rate"
-    column = "rate_lv{l_over_v}_mean"
+    column = "rate_lv{l_over_v}_mean"     # or a list of columns, a trial each
     sem = "rate_lv{l_over_v}_sem"         # where there are standard errors
     interpolate = true                    # onto the frames; without it the times must be theirs
+    where = { animal = "A" }              # only these rows; and all else that read_target takes
 
     [[condition.target]]                  # recorded spike times, in columns animal, trial and time_ms
     spikes = "targets/spikes.csv"
-    kernel_ms = 20                        # and animal, trial, time for other names of the columns
+    kernel_ms = 20
+    where = { l_over_v = "{l_over_v}" }   # only these rows; and all else that read_spike_trains takes
 
     [[condition.target]]                  # a law, with the arguments of LoomingLaw, Rest or Onset
     law = "looming"                       # or "rest", "onset"
@@ -61,28 +63,24 @@ def target(table: Table, folder: Path) -> AnyTarget:
     """
     sources = [name for name in _SOURCES if name in table]
     if len(sources) != 1:
-        found = " and ".join(sources) or "no source"
-        raise ValueError(f"there is {found}; give one of {', '.join(_SOURCES)}")
+        given = " and ".join(sources) or "no source"
+        raise ValueError(f"there is {given}; give one of {', '.join(_SOURCES)}")
     source = sources[0]
     if not isinstance(table[source], str):
         raise ValueError(f"{source} is {table[source]!r}; give a text")
     own = {key: value for key, value in table.items() if key not in (source, *_WEIGHTING)}
     weighting = {key: value for key, value in table.items() if key in _WEIGHTING}
     try:
-        made = _SOURCES[source](table[source], own, folder)
+        result = _SOURCES[source](table[source], own, folder)
     except OSError as error:
         raise ValueError(f"{source} is {table[source]!r}, which cannot be read: {error.strerror or error}") from error
-    return Weighted(made, **arguments(Weighted, weighting, folder)) if weighting else made
+    return Weighted(result, **arguments(Weighted, weighting, folder)) if weighting else result
 
 
 def _recorded(name: str, table: Table, folder: Path) -> AnyTarget:
     _check_keys(table, keywords(read_target))
     check_complete(table, read_target)
-    interpolate = table.get("interpolate", False)
-    if not isinstance(interpolate, bool):
-        raise ValueError(f"interpolate is {interpolate!r}; give true or false")
-    text = {key: value for key, value in table.items() if key != "interpolate"}
-    return read_target(folder / name, interpolate=interpolate, **arguments(read_target, text, folder))
+    return read_target(folder / name, **arguments(read_target, table, folder))
 
 
 def _spikes(name: str, table: Table, folder: Path) -> AnyTarget:

@@ -3,32 +3,27 @@
 import dataclasses
 import hashlib
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import jax
 import numpy as np
 
-from lgmd2jax._eye import Eye
-from lgmd2jax._files.catalogue import beside, read_named
-from lgmd2jax._network.lgmd2 import LGMD2
-from lgmd2jax._network.parameters import preset, symbols
-from lgmd2jax._network.thresholds import Hard, Soft
+from lgmd2jax._characterise import characterise
+from lgmd2jax._files.catalogue import beside
+from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._protocol.arguments import check_keys, section
 from lgmd2jax._protocol.protocol import load_protocol
 from lgmd2jax._targets.observation import Observation, observation_symbols
-from lgmd2jax._targets.target import Target
-from lgmd2jax.fitting import Fit, Free, Linear, Log, Tie, fit
-from lgmd2jax.fitting._conditions import render
-from lgmd2jax.fitting._free import RANGES
+from lgmd2jax.fitting import Fit, Free, fit
+from lgmd2jax.fitting._conditions import Rendered, render
 from lgmd2jax.fitting._law_fit import check_approaches
+from lgmd2jax.fitting._sections import free_of, network_of
 from lgmd2jax.fitting._validation import leave_one_out
-from lgmd2jax.stimuli import Stimulus
 
 _KEYS = ("protocol", "kind", "preset", "temperature", "parameters", "structure", "observation", "free", "solver")
-_KEYS += ("uncertainty", "validation", "truth")
-_STRUCTURE = ("n_p", "low_pass", "N_ts")
+_KEYS += ("uncertainty", "validation", "truth", "network", "choice")
 # What `fit` takes as plain numbers; its key comes from the seed.
 _SOLVER = ("pixel_points", "cell_points", "descend", "temperatures", "max_steps", "loss", "seed")
 
@@ -42,14 +37,15 @@ class Recipe:
     - `leave_one_out`: whether to fit anew without each condition and to predict it.
     - `looming_law`: whether to hold the fit against eta, fitted to the same rates.
     - `truth`: the values that are known to be right, of a twin.
+    - `properties`: whether to hand over, of the candidates, the one that holds most of the 22 response properties.
     - `table`: the file's content.
     """
 
     name: str
-    model: LGMD2
+    model: AbstractNetwork
     observation: Observation
     free: Free
-    pairs: tuple[tuple[Stimulus, Sequence[Target]], ...]
+    pairs: tuple[Rendered, ...]
     solver: Mapping[str, Any]
     absolute_errors: bool | None
     profile: tuple[str, ...]
@@ -57,6 +53,7 @@ class Recipe:
     leave_one_out: bool
     looming_law: bool
     truth: Mapping[str, float]
+    properties: bool
     table: Mapping[str, Any]
 
     @property
@@ -76,6 +73,7 @@ class Recipe:
             absolute_errors=self.absolute_errors,
             progress=progress,
             memory=memory,
+            choose=_properties_held if self.properties else None,
             **settings,
         )
 
@@ -85,32 +83,33 @@ class Recipe:
 
     def digest(self) -> str:
         """A digest of all that the fit sees: recipe, stimuli and targets."""
-        seen = hashlib.sha256(json.dumps(self.table, sort_keys=True).encode())
+        digest = hashlib.sha256(json.dumps(self.table, sort_keys=True).encode())
         for stimulus, targets in self.pairs:
-            seen.update(np.asarray(stimulus.frames).tobytes() + np.asarray(stimulus.time).tobytes())
+            digest.update(np.asarray(stimulus.frames).tobytes() + np.asarray(stimulus.time).tobytes())
             for target in targets:
-                seen.update(target.channel.encode() + np.asarray([target.values, target.scale]).tobytes())
-        return seen.hexdigest()
+                digest.update(target.channel.encode() + np.asarray([target.values, target.scale]).tobytes())
+        return digest.hexdigest()
 
 
-def load_recipe(source: str | Path) -> Recipe:
-    """Read a recipe from a TOML file, or a shipped one by its bare name, and render its stimuli.
+def _properties_held(model: AbstractNetwork) -> float:
+    return float(characterise(model).passed)
 
-    **Raises:** `ValueError`, which names the file and the key, for what is not a recipe; `FileNotFoundError`.
+
+def fit_recipe(path: Path, table: dict[str, Any]) -> Recipe:
+    """The recipe of a fit to curves that a TOML file holds, its stimuli rendered.
+
+    **Raises:** `ValueError`, which names the key, for what is not such a recipe; `FileNotFoundError`.
     """
-    return read_named(source, "fits", _recipe)
-
-
-def _recipe(path: Path, table: dict[str, Any]) -> Recipe:
     check_keys(table, _KEYS)
     for key in ("protocol", "free"):
         if key not in table:
             raise ValueError(f"{key} is missing")
-    if table.get("kind", "fit") != "fit":
-        raise ValueError(f"kind is {table['kind']!r}; a recipe of this command has kind 'fit'")
     uncertainty, validation = section(table, "uncertainty"), section(table, "validation")
     check_keys(uncertainty, ("absolute_errors", "profile", "samples"))
     check_keys(validation, ("leave_one_out", "looming_law"))
+    properties = section(table, "choice", ("properties",)).get("properties", False)
+    if not isinstance(properties, bool):
+        raise ValueError(f"properties is {properties!r}; give true or false")
     free = free_of(table)
     profile, truth = tuple(uncertainty.get("profile", ())), section(table, "truth")
     for name in (*profile, *truth):
@@ -122,7 +121,7 @@ def _recipe(path: Path, table: dict[str, Any]) -> Recipe:
         check_approaches(pairs)
     return Recipe(
         name=path.stem,
-        model=model_of(table, protocol.conditions[0].eye),
+        model=network_of(table, protocol.conditions[0].eye),
         observation=Observation(**section(table, "observation", observation_symbols())),
         free=free,
         pairs=pairs,
@@ -133,32 +132,6 @@ def _recipe(path: Path, table: dict[str, Any]) -> Recipe:
         leave_one_out=validation.get("leave_one_out", False),
         looming_law=validation.get("looming_law", False),
         truth=truth,
+        properties=properties,
         table=table,
     )
-
-
-def free_of(table: Mapping[str, Any]) -> Free:
-    """What the section [free] says."""
-    return Free(**{name: _choice(name, limits) for name, limits in section(table, "free").items()})
-
-
-def model_of(table: Mapping[str, Any], eye: Eye) -> LGMD2:
-    """The model that preset, [parameters] and [structure] name."""
-    parameters = preset(table.get("preset", "lgmd2"), **section(table, "parameters", symbols()))
-    thresholds = Soft(table["temperature"]) if "temperature" in table else Hard()
-    return LGMD2(parameters, thresholds, eye=eye, **section(table, "structure", _STRUCTURE))
-
-
-def _choice(name: str, limits: Any) -> Linear | Log | Tie | None:
-    """What a line of [free] says: bounds, scale and prior, or a tie."""
-    if not isinstance(limits, dict):
-        raise ValueError(f"{name} is free in {limits!r}; write a table, such as {{ low = 1, high = 6 }} or {{}}")
-    if "tie" in limits:
-        check_keys(limits, ("tie", "factor"))
-        return Tie(limits["tie"], limits.get("factor", 1.0))
-    check_keys(limits, ("low", "high", "scale", "prior"))
-    known = symbols() | observation_symbols()
-    scale = limits.get("scale", known[name].scale if name in known else "linear")
-    if scale not in RANGES:
-        raise ValueError(f"{name} has scale {scale!r}; give 'linear' or 'log'")
-    return RANGES[scale](limits.get("low"), limits.get("high"), tuple(limits["prior"]) if "prior" in limits else None)

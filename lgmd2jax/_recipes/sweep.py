@@ -1,22 +1,27 @@
 """A recipe of a sweep: what is swept and how it is drawn, read from a TOML file."""
 
 import dataclasses
+import os
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from lgmd2jax._eye import Eye
-from lgmd2jax._files.catalogue import read_named
 from lgmd2jax._handover.named import model_named
-from lgmd2jax._network.abstract import Network
+from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._protocol.arguments import arguments, check_keys, keywords, section
 from lgmd2jax._protocol.protocol import eye_of
 from lgmd2jax._sweep.axes import read_grid
 from lgmd2jax._sweep.responses import SUMMARIES, check_channels
+from lgmd2jax._sweep.sweep import sweep
 from lgmd2jax._words import nearest
 from lgmd2jax.stimuli import FAMILIES
+
+if TYPE_CHECKING:
+    import xarray
+    from distributed import Client
 
 _KEYS = ("kind", "model", "eye", "family", "stimulus", "parameters", "channels", "figure")
 _SPACINGS = {"linear": np.linspace, "log": np.geomspace}
@@ -26,7 +31,7 @@ _SPACINGS = {"linear": np.linspace, "log": np.geomspace}
 class SweepRecipe:
     """A sweep to be made.
 
-    - `shown`: the arguments of the family, lists for axes.
+    - `stimulus`: the arguments of the family, lists for axes.
     - `parameters`: of the model, likewise.
     - `channels`: of the response that are kept over time.
     - `value`: what the figure shows, None for no figure.
@@ -34,25 +39,41 @@ class SweepRecipe:
     """
 
     name: str
-    model: Network | dict[str, Network]
+    model: AbstractNetwork | dict[str, AbstractNetwork]
     eye: Eye
     family: str
-    shown: dict[str, Any]
+    stimulus: dict[str, Any]
     parameters: dict[str, Any]
     channels: tuple[str, ...]
     value: str | None
     index: str | None
 
+    def run(
+        self, progress: bool = False, store: str | os.PathLike | None = None, client: "Client | None" = None
+    ) -> "xarray.Dataset":
+        """Make the sweep: `progress`, `store` and `client` as of `lgmd2jax.sweep`."""
+        return sweep(
+            self.model,
+            FAMILIES[self.family],
+            self.eye,
+            parameters=self.parameters,
+            channels=self.channels,
+            store=store,
+            client=client,
+            progress=progress,
+            **self.stimulus,
+        )
+
     def thresholds(self) -> dict[str, float]:
         """What the figure's surface is compared with in the network: the spiking thresholds, of a surface of peaks."""
         swept = {"T_sp", "sigma_sp"} & set(self.parameters)
-        if self.value != "peak" or self.index is not None or swept or not isinstance(self.model, Network):
+        if self.value != "peak" or self.index is not None or swept or not isinstance(self.model, AbstractNetwork):
             return {}
         return self.model.parameters.levels.by_count
 
 
-def load_sweep_recipe(source: str | Path) -> SweepRecipe:
-    """Read a recipe from a TOML file, or a shipped one by its bare name.
+def sweep_recipe(path: Path, table: dict[str, Any]) -> SweepRecipe:
+    """The recipe of a sweep that a TOML file holds.
 
     ```toml
     kind = "sweep"
@@ -73,14 +94,8 @@ def load_sweep_recipe(source: str | Path) -> SweepRecipe:
     value = "peak"
     ```
 
-    **Raises:** `ValueError`, which names the file and the key, for what is not such a recipe; `FileNotFoundError`.
+    **Raises:** `ValueError`, which names the key, for what is not such a recipe; `FileNotFoundError`.
     """
-    return read_named(source, "fits", _recipe)
-
-
-def _recipe(path: Path, table: dict[str, Any]) -> SweepRecipe:
-    if table.get("kind") != "sweep":
-        raise ValueError(f"kind is {table.get('kind', 'missing')!r}; a recipe of this command has kind 'sweep'")
     check_keys(table, _KEYS)
     family = table.get("family", "looming")
     if family not in FAMILIES:
@@ -97,7 +112,7 @@ def _recipe(path: Path, table: dict[str, Any]) -> SweepRecipe:
         model={name: model_named(name) for name in names} if isinstance(names, list) else model_named(names),
         eye=eye_of(section(table, "eye"), folder),
         family=family,
-        shown=arguments(FAMILIES[family], fixed, folder) | axes,
+        stimulus=arguments(FAMILIES[family], fixed, folder) | axes,
         parameters={name: _values(name, value) for name, value in section(table, "parameters").items()},
         channels=check_channels(table.get("channels", ())),
         value=figure.get("value"),
@@ -126,7 +141,7 @@ def _check_figure(recipe: SweepRecipe) -> None:
         return
     if recipe.value not in SUMMARIES:
         raise ValueError(f"figure: value is {recipe.value!r}; choose {nearest(recipe.value, SUMMARIES)}")
-    grid = read_grid(recipe.model, FAMILIES[recipe.family], recipe.eye, recipe.parameters, recipe.shown)
+    grid = read_grid(recipe.model, FAMILIES[recipe.family], recipe.eye, recipe.parameters, recipe.stimulus)
     sizes = {axis.name: len(axis.values) for axis in grid.axes if len(axis.values) > 1}
     if recipe.index is not None and sizes.pop(recipe.index, None) != 2:
         raise ValueError(f"figure: index is {recipe.index!r}, which is no axis of two values")

@@ -8,13 +8,13 @@ from typing import Any, cast
 
 import numpy as np
 
+from lgmd2jax._channels import Channel
 from lgmd2jax._files.catalogue import locate
 from lgmd2jax._files.folder import replaced_folder
 from lgmd2jax._handover.model_file import load, save
 from lgmd2jax._reports.section import as_html
 from lgmd2jax._results.fit_json import content_of, fit_of, plain
 from lgmd2jax._results.posterior_nc import write_posterior
-from lgmd2jax._targets.target import Channel
 from lgmd2jax._words import warn_renamed
 from lgmd2jax.fitting import Curve, Fit, Posterior, Supplement
 

@@ -3,7 +3,7 @@
 import dataclasses
 import inspect
 import itertools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Literal
 
 import equinox as eqx
@@ -13,14 +13,15 @@ import numpy as np
 from jaxtyping import Array
 
 from lgmd2jax._eye import Eye
-from lgmd2jax._network.abstract import Network
+from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.parameters import symbols
+from lgmd2jax._targets.units import has_unit
 from lgmd2jax._types import is_concrete
 from lgmd2jax._words import nearest
-from lgmd2jax.stimuli import Stimulus
+from lgmd2jax.stimuli import FAMILIES, Stimulus
 from lgmd2jax.stimuli._family import outline
 
-Models = Network | Sequence[Network] | Mapping[str, Network]
+Models = AbstractNetwork | Sequence[AbstractNetwork] | Mapping[str, AbstractNetwork]
 
 
 Kind = Literal["model", "parameter", "stimulus"]
@@ -43,7 +44,7 @@ class Setup(eqx.Module):
     It knows no values of axes, only what each is, by name: so sweeps over other values compile nothing anew.
     """
 
-    model: Network
+    model: AbstractNetwork
     renderer: Callable = eqx.field(static=True)
     eye: Eye = eqx.field(static=True)
     kinds: tuple[tuple[str, Kind], ...] = eqx.field(static=True)
@@ -54,7 +55,7 @@ class Setup(eqx.Module):
         with jax.ensure_compile_time_eval():
             return self.renderer(self.eye, **self.fixed, **self._part(point, "stimulus"))
 
-    def model_at(self, point: Mapping[str, Array]) -> Network:
+    def model_at(self, point: Mapping[str, Array]) -> AbstractNetwork:
         """The model at a point, with the parameters of that point."""
         model = self.model
         if stacked := self._part(point, "model"):
@@ -63,7 +64,7 @@ class Setup(eqx.Module):
         return dataclasses.replace(model, parameters=parameters)
 
     def _part(self, point: Mapping[str, Array], kind: Kind) -> dict[str, Array]:
-        return {name: point[name] for name, its in self.kinds if its == kind}
+        return {name: point[name] for name, own in self.kinds if own == kind}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -104,15 +105,18 @@ def read_grid(
         if np.any(outside := ~symbol.contains(values)):
             raise ValueError(f"{name} is {values[outside][0]:g}; it must lie in {symbol.domain} {symbol.unit}")
         axes.append(Axis(name, "parameter", values, symbol.unit, symbol.meaning))
+    if not callable(renderer):
+        cure = f"; choose {nearest(renderer, FAMILIES)} of them" if isinstance(renderer, str) else ""
+        raise ValueError(f"renderer is {renderer!r:.40}; give a function, such as lgmd2jax.stimuli.looming{cure}")
     known = inspect.signature(renderer).parameters
-    open_ended = any(it.kind is it.VAR_KEYWORD for it in known.values())
+    open_ended = any(parameter.kind is parameter.VAR_KEYWORD for parameter in known.values())
     fixed = {}
     for name, value in arguments.items():
         if name not in list(known)[1:] and not open_ended:
             cure = f"; write parameters={{{name!r}: ...}}" if name in declared else ""
             choices = nearest(name, list(known)[1:])
             raise ValueError(f"{_named(renderer)} takes no {name!r}{cure or f', choose {choices}'}")
-        if isinstance(value, (list, tuple, range)) or np.ndim(value) > 0:
+        if _is_axis(value):
             axes.append(Axis(name, "stimulus", _values(name, value)))
         else:
             fixed[name] = value.item() if hasattr(value, "item") and is_concrete(value) else value
@@ -129,9 +133,9 @@ def read_grid(
     return Grid(Setup(model, renderer, eye, tuple(kinds), fixed), tuple(axes))
 
 
-def _stack(models: Models) -> tuple[Network, list[Axis]]:
+def _stack(models: Models) -> tuple[AbstractNetwork, list[Axis]]:
     """One model whose leaves have the models as first axis, and that axis; none for a single model."""
-    if isinstance(models, Network):
+    if isinstance(models, AbstractNetwork):
         sizes = {leaf.shape[0] for leaf in jax.tree.leaves(models) if leaf.ndim}
         if not sizes:
             return models, []
@@ -151,8 +155,23 @@ def _stack(models: Models) -> tuple[Network, list[Axis]]:
     return jax.tree.map(lambda *leaves: jnp.stack(leaves), *stack), [Axis("model", "model", names)]
 
 
+def _is_axis(value: Any) -> bool:
+    """Whether this holds several values: a sequence, an array, or an iterator; no text, no table."""
+    if isinstance(value, (str, bytes, Mapping)) or callable(value):
+        return False
+    return np.ndim(value) > 0 if hasattr(value, "ndim") else isinstance(value, Iterable)
+
+
 def _values(name: str, value: Any) -> np.ndarray:
     """An axis as an array of numbers; one number is an axis of one."""
+    if isinstance(value, (set, frozenset)):
+        raise ValueError(f"{name} is a set, which has no order; give a list")
+    if _is_axis(value) and not hasattr(value, "ndim"):
+        value = list(value)
+    if has_unit(value):
+        raise ValueError(
+            f"{name} is {' '.join(repr(value).split()):.30}, which has a unit or a date; give plain numbers"
+        )
     try:
         values = np.atleast_1d(np.asarray(value, dtype=float))
     except (TypeError, ValueError):

@@ -66,8 +66,8 @@ class Plan:
         # A block at a far end is filled up with its last condition, so that all have one shape and one program.
         lanes = devices * -(-math.prod(self.chunk) // devices)
         points = {name: np.pad(values, (0, lanes - count), mode="edge") for name, values in points.items()}
-        found = _compute(grid.setup, points, self.channels)
-        return {name: np.asarray(it)[:count].reshape(*shape, *it.shape[1:]) for name, it in found.items()}
+        results = _compute(grid.setup, points, self.channels)
+        return {name: np.asarray(lane)[:count].reshape(*shape, *lane.shape[1:]) for name, lane in results.items()}
 
 
 def plan(grid: Grid, channels: tuple[str, ...], block: int | None) -> Plan:

@@ -49,10 +49,10 @@ def _work(number: int, packed: bytes, wide: bool, path: str | None) -> Results |
     with jax.enable_x64(wide):
         plan = unpacked(packed)
         store = None if path is None else _opened(packed, path)
-        found = plan.compute(number)
+        results = plan.compute(number)
     if store is None:
-        return found
-    store.write(number, found)
+        return results
+    store.write(number, results)
     return None
 
 

@@ -8,21 +8,14 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from lgmd2jax._channels import RESPONSE
 from lgmd2jax._compute.batching import each
 from lgmd2jax._eye import Eye
 from lgmd2jax._network.abstract import Response
 from lgmd2jax._sweep.axes import Models, Setup, read_grid
 from lgmd2jax._words import nearest
 
-# Channels of a response that have a value a frame, with unit and meaning.
-CHANNELS = {
-    "mp": ("grey level", "summed potential MP (eq. 11)"),
-    "ffi": ("grey level", "delayed feed-forward inhibition (eq. 14)"),
-    "smp": ("1", "membrane potential U before adaptation (eq. 12)"),
-    "smp_adapted": ("1", "membrane potential U' after adaptation (eq. 15)"),
-    "spikes": ("spikes", "spikes in each frame (eq. 16)"),
-    "collision": ("1", "collision alarm (eq. 17)"),
-}
+# One number a response, with unit and meaning.
 SUMMARIES = {
     "peak": ("1", "peak of the membrane potential U' (eq. 15)"),
     "peak_time": ("ms", "time of the peak; none where U' never leaves rest"),
@@ -58,8 +51,8 @@ def check_channels(channels: Sequence[str]) -> tuple[str, ...]:
     **Raises:** `ValueError` for a name that is no channel.
     """
     for name in channels:
-        if name not in CHANNELS:
-            raise ValueError(f"channels has {name!r}; choose {nearest(name, CHANNELS)}")
+        if name not in RESPONSE:
+            raise ValueError(f"channels has {name!r}; choose {nearest(name, RESPONSE)}")
     return tuple(dict.fromkeys(channels))
 
 
@@ -89,5 +82,5 @@ def surfaces(
     grid = read_grid(model, renderer, eye, parameters, arguments)
     places = np.unravel_index(np.arange(np.prod(grid.shape)), grid.shape)
     points = jax.tree.map(jnp.asarray, grid.at(places))
-    found = each(lambda point: respond(grid.setup, channels, point), points)
-    return {name: values.reshape(*grid.shape, *values.shape[1:]) for name, values in found.items()}
+    results = each(lambda point: respond(grid.setup, channels, point), points)
+    return {name: values.reshape(*grid.shape, *values.shape[1:]) for name, values in results.items()}

@@ -1,22 +1,20 @@
 """Where results go: arrays in memory, or a Zarr store on disk that a killed sweep can be resumed from."""
 
 import dataclasses
-import hashlib
-import inspect
 import os
-import secrets
 import shutil
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-import equinox as eqx
-import jax
 import numpy as np
 
+from lgmd2jax._channels import RESPONSE
 from lgmd2jax._compute.cluster import need
+from lgmd2jax._files.temporary import temporaries_beside, temporary_beside
 from lgmd2jax._sweep.blocks import Plan, Region
-from lgmd2jax._sweep.responses import CHANNELS, SUMMARIES
+from lgmd2jax._sweep.fingerprint import fingerprint
+from lgmd2jax._sweep.responses import SUMMARIES
 
 if TYPE_CHECKING:
     import xarray
@@ -46,7 +44,7 @@ class Memory:
         """All results, labelled."""
         empty = _labels(self._plan)
         return empty.assign(
-            {name: (_dimensions(self._plan, name), it, _meaning(name)) for name, it in self._arrays.items()}
+            {name: (_dimensions(self._plan, name), array, _meaning(name)) for name, array in self._arrays.items()}
         )
 
 
@@ -107,7 +105,7 @@ class Store:
         path = self._path.absolute()
         if not path.parent.is_dir():
             raise ValueError(f"the folder {path.parent} does not exist; make it first, or write elsewhere")
-        temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
+        temporary = temporary_beside(path)
         try:
             labels = _labels(self._plan).assign_attrs(digest=_digest(self._plan))
             labels.to_zarr(temporary, mode="w", zarr_format=3, consolidated=False)
@@ -125,6 +123,8 @@ class Store:
             count = len(self._plan.numbers())
             group.create_array(_DONE, shape=(count,), chunks=(1,), dtype=bool, fill_value=False)
             temporary.rename(path)
+            for left_over in temporaries_beside(path):
+                shutil.rmtree(left_over, ignore_errors=True)
         except OSError as error:
             raise ValueError(f"cannot write {path}: {error.strerror or error}") from error
         finally:
@@ -143,7 +143,7 @@ def _dimensions(plan: Plan, name: str) -> list[str]:
 
 
 def _meaning(name: str) -> dict[str, str]:
-    unit, meaning = (CHANNELS | SUMMARIES)[name]
+    unit, meaning = SUMMARIES[name] if name in SUMMARIES else RESPONSE[name][:2]
     return {"units": unit, "long_name": meaning}
 
 
@@ -168,16 +168,9 @@ def _labels(plan: Plan) -> "xarray.Dataset":
 
 
 def _digest(plan: Plan) -> str:
-    """Of all that the numbers depend on. A renderer of one's own is known by its source."""
+    """Of all that the numbers depend on, what the renderer captured included."""
     setup = plan.grid.setup
-    try:
-        renderer = inspect.getsource(setup.renderer)
-    except (OSError, TypeError):
-        renderer = repr(setup.renderer)
-    arrays, static = eqx.partition((setup.model, setup.fixed), eqx.is_array)
+    values = [axis.values for axis in plan.grid.axes]
     versions = [version(name) for name in ("lgmd2jax", "jax")]
-    said = [renderer, setup.eye, setup.kinds, plan.channels, plan.chunk, plan.variables, versions]
-    seen = hashlib.sha256(repr([*said, jax.tree.leaves(static), str(jax.tree.structure(static))]).encode())
-    for array in (*jax.tree.leaves(arrays), *(axis.values for axis in plan.grid.axes)):
-        seen.update(repr((np.shape(array), np.asarray(array).tolist())).encode())
-    return seen.hexdigest()
+    stimulus = (setup.renderer, setup.eye, setup.kinds, setup.fixed, values)
+    return fingerprint((setup.model, stimulus, plan.channels, plan.chunk, plan.variables, versions))

@@ -67,16 +67,16 @@ def sweep(
     """
     need("xarray", extra="sweep")
     grid = read_grid(model, renderer, eye, parameters, arguments)
-    made = plan(grid, check_channels(channels), block)
-    results = Memory(made) if store is None else Store(made, store)
+    blocks = plan(grid, check_channels(channels), block)
+    results = Memory(blocks) if store is None else Store(blocks, store)
     left = results.missing()
-    total = sum(made.size(number) for number in made.numbers())
+    total = sum(blocks.size(number) for number in blocks.numbers())
     with tqdm(
-        desc="sweep", total=total, initial=total - sum(map(made.size, left)), disable=not progress, leave=False
+        desc="sweep", total=total, initial=total - sum(map(blocks.size, left)), disable=not progress, leave=False
     ) as bar:
-        here = ((number, made.compute(number)) for number in left)
-        for number, found in here if client is None else spread(made, left, client, store):
-            if found is not None:
-                results.write(number, found)
-            bar.update(made.size(number))
+        local = ((number, blocks.compute(number)) for number in left)
+        for number, block_results in local if client is None else spread(blocks, left, client, store):
+            if block_results is not None:
+                results.write(number, block_results)
+            bar.update(blocks.size(number))
     return results.dataset()

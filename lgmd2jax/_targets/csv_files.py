@@ -1,33 +1,66 @@
 """Recorded curves and spike times, read from CSV files with a header."""
 
-import csv
-import math
 import os
+import warnings
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
+from lgmd2jax._channels import Channel
+from lgmd2jax._targets.columns import Columns, Where, read_columns
 from lgmd2jax._targets.spike_trains import SpikeTrains
-from lgmd2jax._targets.target import Channel, Target
-from lgmd2jax._words import nearest
+from lgmd2jax._targets.target import Target
+from lgmd2jax._targets.units import size_of
+
+_POOLED = 4  # trials for which the variance counts that all times share
 
 
 def read_target(
-    path: str | os.PathLike, *, column: str, channel: Channel, sem: str | None = None, interpolate: bool = False
+    path: str | os.PathLike,
+    *,
+    column: str | Sequence[str],
+    channel: Channel,
+    sem: str | None = None,
+    interpolate: bool = False,
+    time: str | None = None,
+    time_unit: str | None = None,
+    unit: str | None = None,
+    where: Where | None = None,
+    separator: str | None = None,
+    decimal: str = ".",
 ) -> Target:
-    """A target from a column of a CSV file, whose first column is the time in ms.
+    """A target from a column of a CSV file.
 
-    **Arguments:** `column`, and `sem` where there are standard errors, by their names in the header; `channel` and
-    `interpolate` as of `Target`.
+    **Arguments:**
 
-    **Raises:** `ValueError`, which names the file, for a column that is not there, for what is no finite number, and as
-    `Target`; `OSError` where it cannot be read.
+    - `column`: by its name in the header. Of several, a column a trial, it is the mean, with its standard error.
+    - `channel`, `interpolate`: as of `Target`.
+    - `sem`: the column of the standard errors, where there is one.
+    - `time`: the column of the times, by default the one named like a time, such as `time_ms`, `t` or `Time (s)`.
+    - `time_unit`: `"ms"`, `"s"`, `"us"` or `"min"`; by default the one in the name of the column, else ms.
+    - `unit`: of rates, `"spikes/s"` by default, or `"spikes/ms"` or `"kHz"`.
+    - `where`: takes only rows in which columns hold these values, as `{"l_over_v": 20}`.
+    - `separator`: of the cells, by default the one that divides all rows alike; `decimal`: the sign in numbers.
+
+    **Raises:** `ValueError`, which names the file, for a column that is not there or there twice, for what is no finite
+    number, where the time or the separator could be several, and as `Target`; `OSError` where it cannot be read.
     """
+    names = [column] if isinstance(column, str) else list(column)
     try:
-        table = _read(path)
-        clock, *_ = table
-        errors = None if sem is None else _numbers(table, sem)
-        values = _numbers(table, column)
-        return Target(channel, values, time=_numbers(table, clock), sem=errors, interpolate=interpolate)
+        if not names:
+            raise ValueError("column is an empty list; name at least one")
+        factor = 1.0 if unit is None else size_of(unit, "Hz" if channel == "rate" else "1")
+        if factor is None:
+            raise ValueError(f"unit is {unit!r}, which is none of the channel {channel!r}")
+        table = read_columns(path, separator, decimal).where(where)
+        clock, ms = table.time(time, time_unit, [*names, *(where or ()), *([sem] if sem else [])])
+        times = ms * table.numbers(clock)
+        _check_one_curve(table, times, [clock, *names, *(where or ()), *([sem] if sem else [])])
+        trials = factor * np.stack([table.numbers(name) for name in names])
+        errors, rule = None if sem is None else factor * table.numbers(sem), ""
+        if sem is None and len(trials) > 1:
+            errors, rule = _standard_error(trials)
+        return Target(channel, trials.mean(axis=0), time=times, sem=errors, interpolate=interpolate, sem_rule=rule)
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from error
 
@@ -38,60 +71,97 @@ def read_spike_trains(
     kernel_ms: float | int = 20.0,
     animal: str = "animal",
     trial: str = "trial",
-    time: str = "time_ms",
+    time: str | None = None,
+    time_unit: str | None = None,
+    columns: Sequence[str] | None = None,
+    where: Where | None = None,
+    separator: str | None = None,
+    decimal: str = ".",
 ) -> SpikeTrains:
-    """Spike trains from a CSV file with a row a spike; a row without a time is a trial without spikes.
+    """Spike trains from a CSV file with a row a spike, or with a column a trial.
 
-    **Arguments:** `kernel_ms` as of `SpikeTrains`; `animal`, `trial` and `time` are names in the header.
+    A row without a time is a trial without spikes.
 
-    **Raises:** `ValueError`, which names the file, for a column that is not there, for times that are no finite
-    numbers, and as `SpikeTrains`; `OSError` where it cannot be read.
+    **Arguments:**
+
+    - `kernel_ms`: as of `SpikeTrains`.
+    - `animal`, `trial`: names of columns.
+    - `columns`: names of columns that hold the spike times of one trial each, all of one animal; there is then no
+      column of animals, trials and times. Empty cells below the last spike are passed over.
+    - `time`, `time_unit`, `where`, `separator`, `decimal`: as of `read_target`.
+
+    **Raises:** `ValueError`, which names the file, as `read_target` and `SpikeTrains`; `OSError` where it cannot be
+    read. Warns of a further column, such as one of stimuli, whose values would be read as one recording.
     """
     try:
-        table = _read(path)
-        rows = zip(*(_column(table, name) for name in (animal, trial, time)), strict=True)
+        table = read_columns(path, separator, decimal).where(where)
+        if columns is not None:
+            ms = 1.0 if time_unit is None else size_of(time_unit, "ms")
+            if ms is None:
+                raise ValueError(f"time_unit is {time_unit!r}; give 'ms', 's', 'us' or 'min'")
+            return SpikeTrains([[_spikes(table, name, ms) for name in columns]], kernel_ms)
+        clock, ms = table.time(time, time_unit, [animal, trial, *(where or ())])
         trains: dict[str, dict[str, list[float]]] = {}
-        for number, (who, which, when) in enumerate(rows, start=1):
+        cells = zip(table.text(animal), table.text(trial), table.numbered(clock), strict=True)
+        for who, which, (number, when) in cells:
             if not (who and which):
                 raise ValueError(f"row {number} lacks its {animal if not who else trial}")
             spikes = trains.setdefault(who, {}).setdefault(which, [])
             if when:
-                spikes.append(_number(when, time, number))
+                spikes.append(ms * table.number(when, clock, number))
+        _warn_of_conditions(path, table, (animal, trial), [clock, *(where or ())])
         return SpikeTrains([list(trials.values()) for trials in trains.values()], kernel_ms)
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from error
 
 
-def _read(path: str | os.PathLike) -> dict[str, list[str]]:
-    """The columns of a CSV file as text, by name."""
-    try:
-        with open(path, newline="", encoding="utf-8-sig") as file:
-            header, *rows = [line for line in csv.reader(file, strict=True) if line] or [[]]
-    except (csv.Error, UnicodeDecodeError) as error:
-        raise ValueError(f"not a CSV file: {error}") from error
-    if not rows:
-        raise ValueError("no rows; give a header and a row for each time")
-    for number, row in enumerate(rows, start=1):
-        if len(row) != len(header):
-            raise ValueError(f"row {number} has {len(row)} cells and the header {len(header)}; make them equal")
-    return {name.strip(): [row[place].strip() for row in rows] for place, name in enumerate(header)}
+def _spikes(table: Columns, name: str, ms: float) -> list[float]:
+    return [ms * table.number(cell, name, row) for row, cell in table.numbered(name) if cell]
 
 
-def _column(table: dict[str, list[str]], name: str) -> list[str]:
-    if name not in table:
-        raise ValueError(f"no column {name!r}; choose {nearest(name, table)}")
-    return table[name]
+def _standard_error(trials: np.ndarray) -> tuple[np.ndarray, str]:
+    """Of the mean over trials; the variance of few is drawn towards that which all times share."""
+    count = len(trials)
+    variance = np.var(trials, axis=0, ddof=1)
+    drawn = ((count - 1) * variance + _POOLED * variance.mean()) / (count - 1 + _POOLED)
+    if not drawn.any():
+        raise ValueError("the trials are all alike, which tells no error; name one of them as the column")
+    return np.sqrt(drawn / count), f"s.e.m. over {count} trials, drawn towards one that all times share"
 
 
-def _numbers(table: dict[str, list[str]], name: str) -> np.ndarray:
-    return np.array([_number(text, name, number) for number, text in enumerate(_column(table, name), start=1)])
+def _check_one_curve(table: Columns, times: np.ndarray, used: Collection[str]) -> None:
+    """Refuse a file that holds several curves below each other, of which none is chosen."""
+    if np.all(np.diff(times) > 0):
+        return
+    others = _told_apart_by(table, [name for name in table.header if name not in used])
+    if others:
+        name, values = next(iter(others.items()))
+        raise ValueError(
+            f"times come again, and column {name!r} holds {_some(values)}; choose one curve by "
+            f"where = {{ {name} = {values[0]} }}"
+        )
 
 
-def _number(text: str, name: str, row: int) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise ValueError(f"column {name!r} holds {text!r} in row {row}, which is no finite number; leave such rows out")
-    return value
+def _warn_of_conditions(path: str | os.PathLike, table: Columns, trial: tuple[str, str], used: Collection[str]) -> None:
+    """Warn of a column that says more of a whole trial than animal and number, such as which stimulus was some."""
+    groups = list(zip(*(table.text(name) for name in trial), strict=True))
+    others = _told_apart_by(table, [name for name in table.header if name not in (*trial, *used)])
+    for name, values in others.items():
+        pairs = list(zip(groups, table.text(name), strict=True))
+        if len(set(pairs)) < len(pairs):  # a value comes again within a trial: no number of a spike, no amplitude
+            warnings.warn(
+                f"{path}: column {name!r} holds {_some(values)}, all of which are read as one recording; choose one by "
+                f"where = {{ {name} = {values[0]} }}",
+                stacklevel=3,
+            )
+
+
+def _told_apart_by(table: Columns, names: Sequence[str]) -> Mapping[str, tuple[str, ...]]:
+    """The columns with more than one value, and these."""
+    values = {name: tuple(dict.fromkeys(table.text(name))) for name in names if table.header.count(name) == 1}
+    return {name: different for name, different in values.items() if len(different) > 1}
+
+
+def _some(values: tuple[str, ...]) -> str:
+    some = ", ".join(map(repr, values[:4]))
+    return f"{len(values)} values ({some}{', ...' if len(values) > 4 else ''})"

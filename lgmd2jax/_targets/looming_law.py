@@ -6,8 +6,9 @@ import math
 import numpy as np
 from jaxtyping import Float
 
+from lgmd2jax._channels import Channel
 from lgmd2jax._targets.rest import resting
-from lgmd2jax._targets.target import Channel, Target
+from lgmd2jax._targets.target import Target
 from lgmd2jax.stimuli import Stimulus
 
 _REFERENCE_MS = 40.0  # l/|v| at which the peak is `peak`
@@ -86,14 +87,14 @@ def course(stimulus: Stimulus) -> tuple[float, float, float]:
     time = np.asarray(stimulus.time, dtype=float)
     try:
         l_over_v, start, stop = (float(stimulus.parameters[name]) for name in ("l_over_v", "start_angle", "stop_angle"))
-        shown = np.asarray(stimulus.courses["full_angle_deg"])
+        angle = np.asarray(stimulus.courses["full_angle_deg"])
     except KeyError as error:
         raise ValueError(f"the looming law needs a looming stimulus with l_over_v; this one has no {error}") from None
-    meant = np.clip(np.degrees(full_angle(time, l_over_v)), start, stop)
-    if np.max(np.abs(shown - meant)) > _SAME_ANGLE:
-        first = int(np.argmax(np.abs(shown - meant) > _SAME_ANGLE))
+    expected = np.clip(np.degrees(full_angle(time, l_over_v)), start, stop)
+    if np.max(np.abs(angle - expected)) > _SAME_ANGLE:
+        first = int(np.argmax(np.abs(angle - expected) > _SAME_ANGLE))
         raise ValueError(
             f"the looming law is one of an approach straight to the eye, of which the full angle at {time[first]:g} ms "
-            f"is {meant[first]:.4g} degrees; in this stimulus it is {shown[first]:.4g}"
+            f"is {expected[first]:.4g} degrees; in this stimulus it is {angle[first]:.4g}"
         )
     return l_over_v, start, stop

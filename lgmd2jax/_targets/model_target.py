@@ -8,9 +8,10 @@ import jax
 import numpy as np
 from jaxtyping import Array, PRNGKeyArray, UInt32
 
-from lgmd2jax._network.abstract import Network
+from lgmd2jax._channels import Channel
+from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._targets.observation import Observation
-from lgmd2jax._targets.target import Channel, Target, check_channel
+from lgmd2jax._targets.target import Target, check_channel
 from lgmd2jax.stimuli import Stimulus
 
 
@@ -31,7 +32,7 @@ class ModelTarget:
     noise that is negative or not finite, and noise without a key.
     """
 
-    model: Network
+    model: AbstractNetwork
     channel: Channel = "smp_adapted"
     observation: Observation | None = None
     noise: float | int = 0.0

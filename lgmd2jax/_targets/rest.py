@@ -5,10 +5,9 @@ import math
 
 import numpy as np
 
-from lgmd2jax._targets.target import Channel, Target, check_channel
+from lgmd2jax._channels import TARGETS, Channel
+from lgmd2jax._targets.target import Target, check_channel
 from lgmd2jax.stimuli import Stimulus
-
-_RESTING = {"smp": 0.5, "smp_adapted": 0.5, "spikes": 0.0}
 
 
 def resting(channel: Channel, rest: float | int | None) -> float:
@@ -17,9 +16,9 @@ def resting(channel: Channel, rest: float | int | None) -> float:
     **Raises:** `ValueError` for an unknown channel, and for a rate whose rest is not given.
     """
     check_channel(channel)
-    if rest is None and channel not in _RESTING:
+    value = TARGETS[channel].rest if rest is None else float(rest)
+    if value is None:
         raise ValueError(f"rest is missing; a {channel} has no resting value of its own, so give it")
-    value = _RESTING[channel] if rest is None else float(rest)
     if not math.isfinite(value):
         raise ValueError(f"rest is {rest}; give a finite number")
     return value

@@ -2,17 +2,27 @@
 
 import dataclasses
 import math
-from collections.abc import Sequence
+import warnings
+from collections.abc import Iterable, Sequence
+from typing import Any
 
 import numpy as np
 from jaxtyping import Array, Float
 from scipy.special import ndtr
 
+from lgmd2jax._targets.clock import doubt, share_inside
+from lgmd2jax._targets.gaussian_sum import gaussian_sum
 from lgmd2jax._targets.target import Target
+from lgmd2jax._targets.units import duration, times
 from lgmd2jax.stimuli import Stimulus
 
 Trial = Sequence[float | int] | Array | np.ndarray
 Trials = Sequence[Sequence[Trial]]
+
+_COARSE = 10  # standard deviations of the kernel between two samples, from which spikes fall between them
+_REFRACTORY_MS = 0.5  # spikes of a neuron do not follow each other faster
+_POOLED = 4  # animals for which the dispersion counts that all times share
+_HALF_A_SPIKE = 0.5  # Jeffreys' prior of a count: silence does not tell that the rate is 0 exactly
 
 
 @dataclasses.dataclass(frozen=True)
@@ -22,7 +32,7 @@ class SpikeTrains:
     **Arguments:**
 
     - `trials`: for each animal its trials, each an array of spike times in ms, on the clock of the stimulus; an empty
-      array is a trial without spikes.
+      array is a trial without spikes. Times with a unit of their own, such as a `neo.SpikeTrain`, are converted by it.
     - `kernel_ms`: standard deviation of the Gaussian.
 
     **Raises:** `ValueError` as `spike_rate`.
@@ -32,7 +42,9 @@ class SpikeTrains:
     kernel_ms: float | int = 20.0
 
     def __post_init__(self):
-        _check(self.trials, self.kernel_ms)
+        object.__setattr__(self, "kernel_ms", _kernel(self.kernel_ms))
+        object.__setattr__(self, "trials", _nested(self.trials))
+        _animals(self.trials)
 
     def on(self, stimulus: Stimulus) -> Target:
         """The target at the frames of the stimulus, all of which the recordings are taken to cover."""
@@ -42,9 +54,13 @@ class SpikeTrains:
 def spike_rate(trials: Trials, time: Float[np.ndarray, " time"], kernel_ms: float | int = 20.0) -> Target:
     """The firing rate: a Gaussian on every spike, mean over animals of the means over trials.
 
-    The standard error is that over animals, since trials of one animal are no independent draws; None for one animal.
     The recordings are taken to reach over `time` and over all spikes, no further: kernels that overlap an end of it are
     scaled up by what is cut off, so that a steady rate is steady up to the ends.
+
+    The standard error is that over animals, since trials of one animal are no independent draws; None for one animal.
+    Few animals tell little of it, and nothing where all are silent. So it is drawn towards a modelled one, the variance
+    of Poisson counts times the dispersion between animals that all times share (a quasi-Poisson model), which counts
+    like four animals more; and it is no smaller than the Poisson error of the rate and half a spike.
 
     The kernel makes neighbouring samples alike: white noise behind a Gaussian of s.d. s has the autocorrelation
     exp(-t^2/(4 s^2)), whose integral, 2 sqrt(pi) s, is the span that makes one independent sample (71 ms for 20 ms).
@@ -53,51 +69,111 @@ def spike_rate(trials: Trials, time: Float[np.ndarray, " time"], kernel_ms: floa
 
     **Returns:** a target in the channel `"rate"`, spikes/s, that may be interpolated.
 
-    **Raises:** `ValueError` for no animals, an animal without trials, spike times that are no finite numbers, a kernel
-    that is not positive, and times that do not increase.
+    **Raises:** `ValueError` for no animals, an animal without trials, spike times that are no finite numbers or none of
+    which lies within `time`, a kernel that is not positive or far narrower than the distance of the samples, and times
+    that do not increase. Warns of spike times that look like another unit.
     """
-    animals = _check(trials, kernel_ms)
-    reach = np.concatenate([time, *(trial for animal in animals for trial in animal)])
-    start, end = reach.min(), reach.max()
-    seen = ndtr((end - time) / kernel_ms) - ndtr((start - time) / kernel_ms)
-    rates = np.stack(
-        [np.mean([_smooth(trial, time, kernel_ms) for trial in animal], axis=0) / seen for animal in animals]
+    kernel_ms, animals, time = _kernel(kernel_ms), _animals(_nested(trials)), times(time, "time")
+    _check_sampling(time, kernel_ms)
+    spikes = np.concatenate([trial for animal in animals for trial in animal])
+    _check_clock(spikes, time)
+    reach = np.concatenate([time, spikes])
+    covered = _gaussian_within(time, reach.min(), reach.max(), kernel_ms)
+    rates = np.stack([gaussian_sum(np.concatenate(animal), time, kernel_ms) / len(animal) for animal in animals])
+    rates *= 1000 / (kernel_ms * math.sqrt(2 * math.pi)) / covered
+    rate, sem, rule = np.mean(rates, axis=0), None, ""
+    if len(animals) > 1:
+        # What a spike/s of one long trial adds to the variance: the kernel's square, which is narrower by sqrt(2).
+        narrow = _gaussian_within(time, reach.min(), reach.max(), kernel_ms / math.sqrt(2))
+        variance = 1000 * narrow / (2 * math.sqrt(math.pi) * kernel_ms) / covered**2
+        share = sum(1 / len(animal) for animal in animals) / len(animals) ** 2
+        sem, rule = _standard_error(rates, variance * share)
+    correlation_ms = 2 * math.sqrt(math.pi) * kernel_ms
+    return Target("rate", rate, time=time, sem=sem, correlation_ms=correlation_ms, interpolate=True, sem_rule=rule)
+
+
+def _standard_error(
+    rates: Float[np.ndarray, "animal time"], per_rate: Float[np.ndarray, " time"]
+) -> tuple[Float[np.ndarray, " time"], str]:
+    """The standard error of the mean over animals, and in words how it arose.
+
+    **Arguments:** `per_rate`: variance of the mean for each spike/s, were spikes those of a Poisson process.
+    """
+    count = len(rates)
+    between = np.var(rates, axis=0, ddof=1) / count
+    poisson = (np.mean(rates, axis=0) + _HALF_A_SPIKE * per_rate) * per_rate
+    dispersion = max(1.0, float(between.sum() / poisson.sum()))
+    drawn = ((count - 1) * between + _POOLED * dispersion * poisson) / (count - 1 + _POOLED)
+    rule = (
+        f"s.e.m. over {count} animals, drawn towards the Poisson error times a dispersion that all times share, and "
+        "no smaller than the Poisson error"
     )
-    sem = np.std(rates, axis=0, ddof=1) / math.sqrt(len(rates)) if len(rates) > 1 else None
-    return Target(
-        "rate",
-        np.mean(rates, axis=0),
-        time=time,
-        sem=sem,
-        correlation_ms=2 * math.sqrt(math.pi) * kernel_ms,
-        interpolate=True,
-    )
+    return np.sqrt(np.maximum(drawn, poisson)), rule
 
 
-def _smooth(spikes: np.ndarray, time: np.ndarray, kernel_ms: float) -> np.ndarray:
-    """Spikes/s of one trial, without regard to the ends."""
-    kernel = np.exp(-0.5 * ((time[:, None] - spikes[None, :]) / kernel_ms) ** 2)
-    return kernel.sum(axis=1) * 1000 / (kernel_ms * math.sqrt(2 * math.pi))
+def _gaussian_within(
+    time: Float[np.ndarray, " time"], start: float, end: float, s: float
+) -> Float[np.ndarray, " time"]:
+    """The share of a Gaussian about each time that lies within a window."""
+    return ndtr((end - time) / s) - ndtr((start - time) / s)
 
 
-def _check(trials: Trials, kernel_ms: float) -> list[list[np.ndarray]]:
+def _check_sampling(time: np.ndarray, kernel_ms: float) -> None:
+    if time.size > 1 and 0 < _COARSE * kernel_ms < (apart := float(np.median(np.diff(time)))):
+        raise ValueError(
+            f"kernel_ms is {kernel_ms:g} ms and the samples are {apart:g} ms apart, so that most spikes fall between "
+            "them; give the kernel in ms, not narrower than a frame"
+        )
+
+
+def _check_clock(spikes: np.ndarray, time: np.ndarray) -> None:
+    """Refuse spikes none of which can belong to the stimulus, and warn of those that hardly can."""
+    reason = doubt(spikes, float(time[0]), float(time[-1]), closest_ms=_REFRACTORY_MS)
+    if not reason:
+        return
+    if share_inside(spikes, float(time[0]), float(time[-1])) == 0:
+        raise ValueError(f"the spike times {reason}")
+    warnings.warn(f"the spike times {reason}", stacklevel=3)
+
+
+def _kernel(kernel_ms: Any) -> float | int:
+    kernel_ms = duration(kernel_ms, "kernel_ms")
     if not (math.isfinite(kernel_ms) and kernel_ms > 0):
         raise ValueError(f"kernel_ms is {kernel_ms} ms; give a positive number")
+    return kernel_ms
+
+
+def _nested(trials: Any) -> Any:
+    """Lists of what is given, so that an iterator is walked once; what is no nesting stays for `_animals` to refuse."""
+    if _is_leaf(trials):
+        return trials
+    return [animal if _is_leaf(animal) else list(animal) for animal in trials]
+
+
+def _animals(trials: Any) -> list[list[np.ndarray]]:
+    if _is_leaf(trials):
+        raise ValueError(f"trials is {trials!r:.40}; give for each animal a list of trials, as [[[10, 20]]]")
     if not len(trials):
         raise ValueError("trials is empty; give at least one animal with its trials")
     animals = []
     for number, animal in enumerate(trials):
+        if _is_leaf(animal):
+            raise ValueError(f"trials[{number}] is {animal!r:.40}; give an animal's trials as a list, as [[[10, 20]]]")
         if not len(animal):
             raise ValueError(f"trials[{number}] is empty; leave out an animal without trials")
         animals.append([_times(trial, f"trials[{number}][{place}]") for place, trial in enumerate(animal)])
     return animals
 
 
-def _times(trial: Trial, name: str) -> np.ndarray:
-    try:
-        times = np.asarray(trial, dtype=float)
-    except (TypeError, ValueError):
-        raise ValueError(f"{name} is {trial!r:.40}; give spike times in ms") from None
-    if times.ndim != 1 or not np.all(np.isfinite(times)):
-        raise ValueError(f"{name} is {trial!r:.40}; give finite spike times in ms, one axis")
-    return times
+def _is_leaf(values: Any) -> bool:
+    """Whether this cannot be a list of animals or trials: a number, a text, a table, a set without order."""
+    if isinstance(values, (str, bytes, dict, set, frozenset)) or getattr(values, "ndim", 1) == 0:
+        return True
+    return not isinstance(values, Iterable)
+
+
+def _times(trial: Any, name: str) -> np.ndarray:
+    spikes = times(trial, name)
+    if spikes.ndim != 1 or not np.all(np.isfinite(spikes)):
+        raise ValueError(f"{name} is {' '.join(repr(trial).split()):.40}; give finite spike times in ms, one axis")
+    return spikes

@@ -1,19 +1,21 @@
 """The curve that a response is compared with, and what a difference from it weighs."""
 
 import dataclasses
-from typing import Any, Literal, Protocol, get_args, runtime_checkable
+from functools import partial
+from typing import Any, Protocol, runtime_checkable
 
 import equinox as eqx
 import numpy as np
 from jaxtyping import Float
 
+from lgmd2jax._channels import TARGETS, Channel
+from lgmd2jax._targets.clock import doubt, share_inside
+from lgmd2jax._targets.units import duration, levels, times
 from lgmd2jax._words import nearest
 from lgmd2jax.stimuli import Stimulus
 
-Channel = Literal["smp", "smp_adapted", "spikes", "rate"]
-CHANNELS = get_args(Channel)
-
 _OFF_FRAME = 0.01  # of a frame, by which times may miss the frames: what rounding in a CSV file does
+_LEAST_SEM = 0.1  # of the r.m.s. of recorded standard errors: what few recordings show below it is chance
 
 
 @runtime_checkable
@@ -25,43 +27,51 @@ class AnyTarget(Protocol):
         ...
 
 
-def _floats(values: Any) -> np.ndarray:
-    try:
-        return np.asarray(values, dtype=float)
-    except (TypeError, ValueError):
-        raise ValueError(f"a target holds {values!r:.40}; give numbers") from None
+def _optional(values: Any, name: str) -> np.ndarray | None:
+    return None if values is None else levels(values, name)
 
 
-def _optional(values: Any) -> np.ndarray | None:
-    return None if values is None else _floats(values)
+def _optional_times(values: Any) -> np.ndarray | None:
+    return None if values is None else times(values, "time")
+
+
+def _duration(value: Any) -> Any:
+    return duration(value, "correlation_ms")
 
 
 class Target(eqx.Module):
     """A curve over time in one channel of the response.
+
+    Numbers with a unit of their own, as quantities, pint, pandas or xarray give them, are converted by it.
 
     **Arguments:**
 
     - `channel`: `"smp"`, `"smp_adapted"`, `"spikes"` (a frame), or `"rate"` (spikes/s, through an `Observation`).
     - `values`: in the unit of the channel.
     - `time`: of the values, in ms; None where they stand at the frames of the stimulus.
-    - `sem`: standard error of the values where it was recorded. It is drawn, and is the error where none is given.
+    - `sem`: standard error of the values where it was recorded. It is drawn, and is the error where none is given; one
+      below a tenth of their r.m.s., 0 for example, is an accident of few recordings and counts as that, unless there is
+      a `sem_rule`.
     - `error`: standard error by which a difference is divided, one number or one for each value.
     - `weight`: factor of the squared difference, one number or one for each value; 0 for what does not count.
     - `correlation_ms`: the span that makes one independent sample: 2 sqrt(pi) s behind a Gaussian of s.d. s.
-    - `interpolate`: whether values at other times than the frames' may be interpolated onto these.
+    - `interpolate`: whether values at other times than the frames' may be interpolated onto these. There are then as
+      many samples as values: of those further apart than the frames each counts once, at the frame nearest to it.
+    - `sem_rule`: how the standard errors arose, for the report of a fit.
 
     **Raises:** `ValueError` for an unknown channel, for arrays of unequal lengths, for what is not finite, for times
     that do not increase, and for negative errors and weights.
     """
 
     channel: Channel = eqx.field(static=True)
-    values: Float[np.ndarray, " time"] = eqx.field(converter=_floats)
-    time: Float[np.ndarray, " time"] | None = eqx.field(default=None, converter=_optional)
-    sem: Float[np.ndarray, " time"] | None = eqx.field(default=None, converter=_optional)
-    error: Float[np.ndarray, " *#time"] | None = eqx.field(default=None, converter=_optional)
-    weight: Float[np.ndarray, " *#time"] = eqx.field(default=1.0, converter=_floats)
-    correlation_ms: float | int = eqx.field(default=0.0, static=True)
+    values: Float[np.ndarray, " time"] = eqx.field(converter=partial(levels, name="values"))
+    time: Float[np.ndarray, " time"] | None = eqx.field(default=None, converter=_optional_times)
+    sem: Float[np.ndarray, " time"] | None = eqx.field(default=None, converter=partial(_optional, name="sem"))
+    error: Float[np.ndarray, " *#time"] | None = eqx.field(default=None, converter=partial(_optional, name="error"))
+    weight: Float[np.ndarray, " *#time"] = eqx.field(default=1.0, converter=partial(levels, name="weight"))
+    correlation_ms: float | int = eqx.field(default=0.0, static=True, converter=_duration)
     interpolate: bool = eqx.field(default=False, static=True)
+    sem_rule: str = eqx.field(default="", static=True)
 
     def __check_init__(self):
         check_channel(self.channel)
@@ -87,24 +97,15 @@ class Target(eqx.Module):
         """The same at the frames of the stimulus, every array of their number. What is not covered has weight 0.
 
         **Raises:** `ValueError` for values at other times than the frames', unless `interpolate` allows it, and then
-        where it covers no frame.
+        where it covers no frame, or so little of the stimulus that its times must have another unit.
         """
         frames = np.asarray(stimulus.time, dtype=float)
-        weight = np.broadcast_to(self.weight, self.values.shape)
-        error = None if self.error is None else np.broadcast_to(self.error, self.values.shape)
-        curves = {"values": self.values, "sem": self.sem, "error": error}
         if self.time is not None and self.interpolate:
-            # Nothing is known between two values of which one does not count.
-            known = np.interp(frames, self.time, weight > 0, left=0, right=0) == 1
-            if not known.any() and self.weight.any():
-                raise ValueError(f"the target covers {_span(self.time)}: no frame of the stimulus, {_span(frames)}")
-            curves = {
-                name: None if curve is None else np.interp(frames, self.time, curve) for name, curve in curves.items()
-            }
-            weight = np.where(known, np.interp(frames, self.time, weight), 0.0)
-        else:
-            self._check_grid(frames)
-        return dataclasses.replace(self, **curves, weight=weight, time=frames, interpolate=False)
+            return self._interpolated(frames, self.time)
+        self._check_grid(frames)
+        error = None if self.error is None else np.broadcast_to(self.error, self.values.shape)
+        weight = np.broadcast_to(self.weight, self.values.shape)
+        return dataclasses.replace(self, error=error, weight=weight, time=frames, interpolate=False)
 
     @property
     def has_error(self) -> bool:
@@ -115,23 +116,93 @@ class Target(eqx.Module):
     def scale(self) -> Float[np.ndarray, " time"]:
         """Factor of a difference: sqrt(weight)/error.
 
-        **Raises:** `ValueError` where a value counts whose recorded standard error is 0.
+        **Raises:** `ValueError` where the recorded standard error is 0 of all values that count.
         """
-        error = self.error if self.error is not None else self.sem
         weight = np.broadcast_to(self.weight, self.values.shape)
+        error = self._sem_in_use if self.error is None else np.broadcast_to(self.error, self.values.shape)
         if error is None:
             return np.sqrt(weight)
-        error = np.broadcast_to(error, self.values.shape)
-        _check("sem", error, (error > 0) | (weight == 0), "a positive number, or an error that replaces it")
+        if not np.all(error[weight > 0]):
+            raise ValueError("sem is 0 throughout; give an error that replaces it")
         return np.sqrt(weight) / np.where(weight > 0, error, 1)
 
     @property
+    def rules(self) -> tuple[str, ...]:
+        """How its samples are counted and its errors arose, where that is not plain, for a report."""
+        rules = []
+        if self._stride > 1:
+            rules.append("values further apart than the frames: each is one sample, at the frame nearest to it")
+        if self.correlation_ms:
+            rules.append(f"a span of {self.correlation_ms:.3g} ms makes one independent sample")
+        if self.error is None and self.sem is not None:
+            rules += [self.sem_rule] if self.sem_rule else []
+            if np.any((self._sem_in_use > self.sem)[np.broadcast_to(self.weight > 0, self.sem.shape)]):
+                rules.append(f"standard errors below {_LEAST_SEM:g} of their r.m.s. count as that")
+        return tuple(rules)
+
+    @property
     def thinning(self) -> float:
-        """How many frames make one independent sample, at least 1. For a target at the frames of a stimulus."""
+        """How many values that count make one independent sample, at least 1. For a target at a stimulus's frames."""
         if self.time is None or self.time.size < 2:
             return 1.0
         interval = (self.time[-1] - self.time[0]) / (self.time.size - 1)
-        return max(1.0, float(self.correlation_ms / interval))
+        return max(1.0, float(self.correlation_ms / (interval * self._stride)))
+
+    @property
+    def _stride(self) -> float:
+        return stride(np.broadcast_to(self.weight, self.values.shape))
+
+    @property
+    def _sem_in_use(self) -> np.ndarray | None:
+        """The standard errors, of plainly recorded ones none a small part of the others."""
+        if self.sem is None or self.sem_rule:
+            return self.sem
+        counted = np.broadcast_to(self.weight > 0, self.sem.shape)
+        usual = np.sqrt(np.mean(np.square(self.sem[counted]))) if counted.any() else 0.0
+        return np.maximum(self.sem, _LEAST_SEM * usual)
+
+    def _interpolated(self, frames: np.ndarray, time: np.ndarray) -> "Target":
+        weight = np.broadcast_to(self.weight, self.values.shape)
+        # Nothing is known between two values of which one does not count.
+        known = np.interp(frames, time, weight > 0, left=0, right=0) == 1
+        if weight.any():
+            self._check_clock(frames, known)
+        counted = known & _nearest(frames, known, time)
+        values = np.interp(frames, time, self.values)
+        if np.any(counted != known):
+            values[counted] = self._carried(frames[counted])
+        error = None if self.error is None else np.broadcast_to(self.error, self.values.shape)
+        return dataclasses.replace(
+            self,
+            values=values,
+            time=frames,
+            sem=None if self.sem is None else np.interp(frames, time, self.sem),
+            error=None if error is None else np.interp(frames, time, error),
+            weight=np.where(counted, np.interp(frames, time, weight), 0.0),
+            interpolate=False,
+        )
+
+    def _carried(self, frames: np.ndarray) -> np.ndarray:
+        """The values nearest to these frames, carried there along the slope through their neighbours.
+
+        Unlike a mean of two values, each is then as noisy as it was recorded, which residuals must show.
+        """
+        counted = np.broadcast_to(self.weight > 0, self.values.shape)
+        time, values = np.asarray(self.time)[counted], self.values[counted]
+        if values.size == 1:
+            return np.full(frames.shape, values[0])
+        nearest = np.rint(np.interp(frames, time, np.arange(len(time)))).astype(int)
+        return values[nearest] + (frames - time[nearest]) * np.gradient(values, time)[nearest]
+
+    def _check_clock(self, frames: np.ndarray, known: np.ndarray) -> None:
+        """Refuse times that cannot be those of the stimulus."""
+        time, start, end = np.asarray(self.time), float(frames[0]), float(frames[-1])
+        reason = doubt(time, start, end)
+        if reason and share_inside(time, start, end) > 0 and np.ptp(time) < end - start:
+            raise ValueError(f"the target's times {reason}")
+        if not known.any() or (reason and np.count_nonzero((time >= start) & (time <= end)) < 2):
+            cure = f"; its times {reason}" if reason else ""
+            raise ValueError(f"the target covers {_span(time)}: no frame of the stimulus, {_span(frames)}{cure}")
 
     def _check_grid(self, frames: np.ndarray) -> None:
         if self.values.shape != frames.shape:
@@ -152,8 +223,8 @@ class Target(eqx.Module):
 
 def check_channel(channel: str) -> None:
     """Raise `ValueError` for a channel that a response does not have."""
-    if channel not in CHANNELS:
-        raise ValueError(f"channel is {channel!r}; choose {nearest(channel, CHANNELS)}")
+    if channel not in TARGETS:
+        raise ValueError(f"channel is {channel!r}; choose {nearest(channel, TARGETS)}")
 
 
 def check_correlation(correlation_ms: float | int) -> None:
@@ -162,12 +233,29 @@ def check_correlation(correlation_ms: float | int) -> None:
         raise ValueError(f"correlation_ms is {correlation_ms} ms; give 0 or more")
 
 
+def stride(weight: Float[np.ndarray, " time"]) -> float:
+    """Frames from one that counts to the next, as a rule: the median. `weight` is 0 where a frame does not count."""
+    counted = np.flatnonzero(weight)
+    return float(np.median(np.diff(counted))) if counted.size > 1 else 1.0
+
+
 def _check(name: str, array: np.ndarray, fine: np.ndarray | np.bool, wanted: str) -> None:
     """Raise `ValueError` for the first element that is not fine."""
     if not np.all(fine):
         first = int(np.argmin(fine))
         where = f"{name}[{first}]" if array.ndim else name
         raise ValueError(f"{where} is {np.ravel(array)[first]:g}; give {wanted}")
+
+
+def _nearest(frames: np.ndarray, known: np.ndarray, time: np.ndarray) -> np.ndarray:
+    """Which frames are, of those that are known, the nearest one of a value that is at most a frame away."""
+    nearest, places = np.zeros(len(frames), bool), np.flatnonzero(known)
+    if places.size:
+        after = np.searchsorted(frames[places], time).clip(max=places.size - 1)
+        pair = places[np.stack([(after - 1).clip(min=0), after])]
+        distance = np.abs(frames[pair] - time)
+        nearest[np.where(distance[0] <= distance[1], *pair)[distance.min(axis=0) <= np.ptp(frames[:2])]] = True
+    return nearest
 
 
 def _span(time: np.ndarray) -> str:

@@ -140,10 +140,14 @@ def load_labels(source: str | Path) -> LabelFile:
 
     **Raises:** `ValueError`, which names file, clip and key, for what is no such file; `FileNotFoundError`.
     """
-    return read_named(source, "stimuli", _label_file)
+    return read_named(source, "stimuli", label_file)
 
 
-def _label_file(path: Path, table: dict[str, Any]) -> LabelFile:
+def label_file(path: Path, table: dict[str, Any]) -> LabelFile:
+    """The labelled clips that a TOML file describes.
+
+    **Raises:** `ValueError`, which names clip and key, for what is no such file.
+    """
     check_keys(table, ("eye", "clip", "rendered"))
     folder = path.parent.resolve()
     eye, clips = eye_of(section(table, "eye"), folder), table.get("clip", [])

@@ -13,12 +13,12 @@ import numpy as np
 from lgmd2jax._files.catalogue import beside, read_named
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._protocol.arguments import check_keys, section
-from lgmd2jax._recipes.fit import free_of, model_of
 from lgmd2jax.alarms._clip import LabelledClip
 from lgmd2jax.alarms._fit import fit
 from lgmd2jax.alarms._label_file import LabelFile, Rendering, load_labels
 from lgmd2jax.alarms._result import AlarmFit
 from lgmd2jax.fitting import Free
+from lgmd2jax.fitting._sections import free_of, model_of
 
 KIND = "alarms"
 _KEYS = ("protocol", "kind", "preset", "parameters", "structure", "free", "weights", "solver", "validation")
@@ -73,10 +73,16 @@ def load_recipe(source: str | Path) -> AlarmRecipe:
 
     **Raises:** `ValueError`, which names the file and the key, for what is not such a recipe; `FileNotFoundError`.
     """
-    return read_named(source, "fits", _recipe)
+    return read_named(source, "fits", alarm_recipe)
 
 
-def _recipe(path: Path, table: dict[str, Any]) -> AlarmRecipe:
+def alarm_recipe(path: Path, table: dict[str, Any]) -> AlarmRecipe:
+    """The recipe of a fit to labelled clips that a TOML file holds.
+
+    **Raises:** `ValueError`, which names the key, for what is not such a recipe; `FileNotFoundError`.
+    """
+    if table.get("kind") != KIND:
+        raise ValueError(f"kind is {table.get('kind', 'missing')!r}; a fit to labelled clips has kind {KIND!r}")
     check_keys(table, _KEYS)
     for key in ("protocol", "free"):
         if key not in table:

@@ -12,7 +12,7 @@ from lgmd2jax._characterise.result import table
 from lgmd2jax._eye import Eye
 from lgmd2jax._files.atomic import replaced
 from lgmd2jax._handover.named import model_file, model_named
-from lgmd2jax._network.abstract import Network
+from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.variants import at_frame_rate
 from lgmd2jax._results.fit_folder import MARKER, load_fit
 from lgmd2jax.fitting import Fit
@@ -23,7 +23,7 @@ _PRESET_FPS = 30.0  # the robot's camera, for which Table I is taken to hold
 def run(options: argparse.Namespace) -> None:
     """Examine the models, write what was asked for, and print the table."""
     from lgmd2jax._figures.characterise import characterisation_figure
-    from lgmd2jax._figures.response import check_figure_path
+    from lgmd2jax._figures.style import check_figure_path
 
     if len(options.models) > 1 and (options.ablate or options.raster):
         option = "--ablate" if options.ablate else "--raster"
@@ -47,7 +47,7 @@ def run(options: argparse.Namespace) -> None:
         print("\nwrote " + ", ".join(str(path) for path in outputs))
 
 
-def _examined(models: dict[str, Network | Fit], options) -> tuple[dict[str, Characterisation], list[str]]:
+def _examined(models: dict[str, AbstractNetwork | Fit], options) -> tuple[dict[str, Characterisation], list[str]]:
     """The result of each model or variant by name, and remarks on their differences."""
     first = next(iter(models.values()))
     first = first.model if isinstance(first, Fit) else first
@@ -63,7 +63,7 @@ def _examined(models: dict[str, Network | Fit], options) -> tuple[dict[str, Char
     return results, []
 
 
-def _named(name: str, with_fit: bool) -> Network | Fit:
+def _named(name: str, with_fit: bool) -> AbstractNetwork | Fit:
     """The model, or the fit that lies beside it; a preset on the eye of a locust."""
     path = model_file(name)
     if path is None:

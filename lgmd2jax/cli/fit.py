@@ -5,11 +5,11 @@ import time
 
 import jax
 
-from lgmd2jax._files.atomic import read_toml
-from lgmd2jax._files.catalogue import locate
 from lgmd2jax._files.folder import check_folder
-from lgmd2jax._recipes.fit import Recipe, load_recipe
+from lgmd2jax._recipes.fit import Recipe
+from lgmd2jax._recipes.load import load_recipe
 from lgmd2jax._results.fit_folder import MARKER, save_fit
+from lgmd2jax.alarms import AlarmRecipe
 from lgmd2jax.cli import fit_alarms
 from lgmd2jax.cli.recipe_results import folder_of, origin, starts_of
 from lgmd2jax.fitting import Fit, LawComparison, Supplement
@@ -19,19 +19,20 @@ from lgmd2jax.fitting._search.descent import STOPPED
 
 def run(options: argparse.Namespace) -> None:
     """Make the fit of this kind of recipe."""
-    kind = read_toml(locate(options.recipe, "fits")).get("kind")
-    if kind == fit_alarms.KIND:
-        fit_alarms.run(options)
-        return
-    if options.clips is not None:
-        raise ValueError(f"--clips is for a recipe of kind 'alarms'; that of {options.recipe} is {kind or 'fit'!r}")
-    _fit_curves(options)
-
-
-def _fit_curves(options: argparse.Namespace) -> None:
-    """Make the fit, write its folder, and print the report."""
     start = time.monotonic()
     recipe = load_recipe(options.recipe)
+    if isinstance(recipe, AlarmRecipe):
+        fit_alarms.run(options, recipe, start)
+        return
+    if not isinstance(recipe, Recipe):
+        raise ValueError(f"{options.recipe} is the recipe of a sweep; run lgmd2jax sweep {options.recipe}")
+    if options.clips is not None:
+        raise ValueError(f"--clips is for a recipe of kind 'alarms'; that of {options.recipe} is 'fit'")
+    _fit_curves(options, recipe, start)
+
+
+def _fit_curves(options: argparse.Namespace, recipe: Recipe, start: float) -> None:
+    """Make the fit, write its folder, and print the report."""
     folder = folder_of(options, recipe.name)
     check_folder(folder, MARKER)
     digest = recipe.digest()

@@ -14,18 +14,15 @@ from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._network.parameters import preset
 from lgmd2jax._results.alarm_folder import save_alarm_fit
 from lgmd2jax._results.fit_folder import MARKER
-from lgmd2jax.alarms import AlarmRecipe, HeldOutScores, LabelledClip, evaluate, load_labels, load_recipe
-from lgmd2jax.alarms._recipe import KIND as KIND
+from lgmd2jax.alarms import AlarmRecipe, HeldOutScores, LabelledClip, evaluate, load_labels
 from lgmd2jax.cli.recipe_results import folder_of, origin, starts_of
 from lgmd2jax.fitting._search.descent import STOPPED
 
 _ROBOT_T_SP = 0.65  # Table I's range is .65 on the robot to .78 off line
 
 
-def run(options: argparse.Namespace) -> None:
+def run(options: argparse.Namespace, recipe: AlarmRecipe, start: float) -> None:
     """Make the fit, write its folder, and print the report."""
-    start = time.monotonic()
-    recipe = load_recipe(options.recipe)
     folder = folder_of(options, recipe.name)
     check_folder(folder, MARKER)
     clips = recipe.file.load(_bar)

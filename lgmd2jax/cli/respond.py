@@ -14,7 +14,7 @@ from tqdm import tqdm
 
 from lgmd2jax._files.atomic import replaced
 from lgmd2jax._handover.named import model_named, with_parameters
-from lgmd2jax._network.abstract import Network
+from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._video.clip import Clip, Frame, open_clip, window_of
 from lgmd2jax._video.overlay import Overlay
 from lgmd2jax._video.repeats import RULE
@@ -25,7 +25,8 @@ from lgmd2jax._video.writer import video_writer
 
 def run(options: argparse.Namespace) -> None:
     """Run the model over the clip, write what was asked for, and say what was done."""
-    from lgmd2jax._figures.response import check_figure_path, response_figure
+    from lgmd2jax._figures.response import response_figure
+    from lgmd2jax._figures.style import check_figure_path
 
     place = options.clip.resolve()
     name = place.stem if place.is_file() else place.name
@@ -75,7 +76,7 @@ def run(options: argparse.Namespace) -> None:
     print("wrote     " + ", ".join(str(path) for path in outputs))
 
 
-def responses(model: Network, frames: Iterable[Frame]) -> Iterator[tuple[Frame, Row]]:
+def responses(model: AbstractNetwork, frames: Iterable[Frame]) -> Iterator[tuple[Frame, Row]]:
     """The model frame by frame. A repeated frame does not reach it, and comes with the row before."""
     state, row = None, None
     for frame in frames:
@@ -96,7 +97,7 @@ def responses(model: Network, frames: Iterable[Frame]) -> Iterator[tuple[Frame, 
         yield frame, row
 
 
-def _misfits(clip: Clip, model: Network) -> Iterator[str]:
+def _misfits(clip: Clip, model: AbstractNetwork) -> Iterator[str]:
     """Where the clip is not what the model's parameters belong to."""
     if model.eye is None:
         return

@@ -5,17 +5,20 @@ import contextlib
 import dataclasses
 from collections.abc import Callable, Sequence
 from functools import partial
+from pathlib import Path
+from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
 from tqdm import tqdm
 
 from lgmd2jax._figures.contact_sheet import Card
-from lgmd2jax._files.atomic import read_toml, replaced
-from lgmd2jax._files.catalogue import locate, results_folder
-from lgmd2jax._protocol.protocol import load_protocol
+from lgmd2jax._files.atomic import replaced
+from lgmd2jax._files.catalogue import read_named, results_folder
+from lgmd2jax._protocol.protocol import Protocol, protocol_of
 from lgmd2jax._video.clip_files import clips_folder, write_clip
-from lgmd2jax.alarms import LabelledClip, load_labels
+from lgmd2jax.alarms import LabelFile, LabelledClip
+from lgmd2jax.alarms._label_file import label_file
 from lgmd2jax.stimuli import Stimulus
 
 _RENDERED = 24  # of the clips that a file of labelled ones renders: a dozen collisions, two of each other kind
@@ -49,16 +52,20 @@ def run(options: argparse.Namespace) -> None:
 
 def _renderers(source: str) -> tuple[str, str, Sequence[Callable[[], Stimulus]]]:
     """The name of a protocol, or of a file of labelled clips, what it holds, and what renders each of its stimuli."""
-    if not {"clip", "rendered"} & read_toml(locate(source, "stimuli")).keys():
-        protocol = load_protocol(source)
-        renderers = [condition.render for condition in protocol.conditions]
-        return protocol.name, f"{len(renderers)} conditions", renderers
-    file = load_labels(source)
+    file = read_named(source, "stimuli", _protocol_or_clips)
+    if isinstance(file, Protocol):
+        renderers = [condition.render for condition in file.conditions]
+        return file.name, f"{len(renderers)} conditions", renderers
     if file.rendered is not None:
         few = dataclasses.replace(file.rendered, count=min(file.rendered.count, _RENDERED))
         file = dataclasses.replace(file, rendered=few)
     clips = sorted(file.load(), key=lambda clip: clip.name.lstrip("0123456789 "))  # by kind
     return file.name, f"{len(clips)} labelled clips", [partial(_labelled, clip) for clip in clips]
+
+
+def _protocol_or_clips(path: Path, document: dict[str, Any]) -> Protocol | LabelFile:
+    is_of_clips = {"clip", "rendered"} & document.keys()
+    return label_file(path, document) if is_of_clips else protocol_of(path, document)
 
 
 def _labelled(clip: LabelledClip) -> Stimulus:

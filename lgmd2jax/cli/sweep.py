@@ -8,10 +8,9 @@ import jax
 
 from lgmd2jax._files.atomic import replaced
 from lgmd2jax._files.folder import check_folder
-from lgmd2jax._recipes.sweep import load_sweep_recipe
-from lgmd2jax._sweep import sweep
+from lgmd2jax._recipes.load import load_recipe
+from lgmd2jax._recipes.sweep import SweepRecipe
 from lgmd2jax.cli.recipe_results import folder_of
-from lgmd2jax.stimuli import FAMILIES
 
 _STORE, _FIGURE = "sweep.zarr", "sweep.png"
 
@@ -20,21 +19,14 @@ def run(options: argparse.Namespace) -> None:
     """Make the sweep on all cores or accelerators, draw it, and name the folder."""
     start = time.monotonic()
     _use_all_cores()
-    recipe = load_sweep_recipe(options.recipe)
+    recipe = load_recipe(options.recipe)
+    if not isinstance(recipe, SweepRecipe):
+        raise ValueError(f"{options.recipe} is the recipe of a fit; run lgmd2jax fit {options.recipe}")
     folder = folder_of(options, recipe.name)
     check_folder(folder, _FIGURE if (folder / _FIGURE).is_file() else f"{_STORE}/zarr.json")
     folder.mkdir(exist_ok=True)
     try:
-        surface = sweep(
-            recipe.model,
-            FAMILIES[recipe.family],
-            recipe.eye,
-            parameters=recipe.parameters,
-            channels=recipe.channels,
-            store=folder / _STORE,
-            progress=True,
-            **recipe.shown,
-        )
+        surface = recipe.run(progress=True, store=folder / _STORE)
     except KeyboardInterrupt:
         print(f"stopped; {folder / _STORE} keeps what is finished: run again to go on")
         raise SystemExit(130) from None

@@ -15,7 +15,7 @@ from lgmd2jax.alarms._report import clip_section, write_table
 def run(options: argparse.Namespace) -> None:
     """Judge the model, print the table, and write what was asked for."""
     from lgmd2jax._figures.alarms import clips_figure
-    from lgmd2jax._figures.response import check_figure_path
+    from lgmd2jax._figures.style import check_figure_path
 
     if options.figure:
         check_figure_path(options.figure)

@@ -1,4 +1,4 @@
-"""The search on two levels: for a point of the pixels' parameters, thousands of the cell's on the same potentials.
+"""The search on two levels: for a point of the pixels' parameters, thousands of the cell's on the same sums.
 
 The frame in which the feed-forward gate opens or closes is a discrete event. For a descent it is a local minimum; for a
 search over the cell alone it is nothing, because MP(t) and F(t) need not be computed again.
@@ -12,7 +12,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from lgmd2jax.fitting._problem import Curves, Potentials, Problem
+from lgmd2jax._network.stages import Sums
+from lgmd2jax.fitting._problem import Curves, Problem
 
 _AT_ONCE = 256  # candidates side by side: wide enough for vectors, small enough for the cache
 _RADIUS = 0.05  # of the second look around the best candidate, in the unit box
@@ -36,12 +37,12 @@ def search_cell(
     """
     z, place = jnp.asarray(z), jnp.asarray(problem.cell_indices, dtype=int)
     model, _ = problem.at(z)
-    potentials = problem.potentials(model)
+    sums = problem.sums(model)
 
     def look(best: BestCell, nearby):
         centre, radius = jnp.where(nearby, best.z[place], 0.5), jnp.where(nearby, _RADIUS, 0.5)
         candidates = jnp.clip(centre[None] + 2 * radius * (jnp.asarray(cells) - 0.5), 0, 1)
-        now = _best(problem, potentials, best.z, jnp.concatenate([best.z[place][None], candidates]))
+        now = _best(problem, sums, best.z, jnp.concatenate([best.z[place][None], candidates]))
         return now._replace(loss_before=jnp.where(nearby, best.loss_before, now.loss_before)), None
 
     unknown = jnp.full((), jnp.inf, z.dtype)
@@ -49,14 +50,14 @@ def search_cell(
 
 
 def _best(
-    problem: Problem, potentials: Potentials, z: Float[Array, " free"], cells: Float[Array, "count cell"]
+    problem: Problem, sums: tuple[Sums, ...], z: Float[Array, " free"], cells: Float[Array, "count cell"]
 ) -> BestCell:
     """The best of the candidates; the loss before is that of the first one as it is given."""
     place = jnp.asarray(problem.cell_indices, dtype=int)
 
     def one(cell):
         point = z.at[place].set(cell)
-        curves = problem.curves(*problem.at(point), potentials)
+        curves = problem.curves(*problem.at(point), sums)
         before = _loss(problem, point, curves)
         point, curves = _with_best_rate(problem, point, curves)
         return point, _loss(problem, point, curves), before

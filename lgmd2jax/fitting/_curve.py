@@ -7,14 +7,14 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from lgmd2jax._network.abstract import Network
+from lgmd2jax._channels import TARGETS, Channel
+from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._targets.observation import Observation
-from lgmd2jax._targets.target import Channel, Target
+from lgmd2jax._targets.target import Target
 from lgmd2jax.stimuli import Stimulus
 
 Kind = Literal["soft", "hard"]
 DISAGREEMENT = 0.05  # of the span, from which soft and hard are said to differ
-_HALF = {"smp": 0.25, "smp_adapted": 0.25, "spikes": 1.0}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -47,7 +47,7 @@ class Curve:
     @property
     def span(self) -> float:
         """What counts as a large response: the target's range, but no less than half of what the channel can do."""
-        return max(float(np.ptp(self.target[self.weight > 0])), _HALF.get(self.channel, 1e-12))
+        return max(float(np.ptp(self.target[self.weight > 0])), (TARGETS[self.channel].span or 2e-12) / 2)
 
     @property
     def gap(self) -> float:
@@ -61,7 +61,7 @@ class Curve:
 
 
 def predict(
-    model: Network, observation: Observation, stimulus: Stimulus, channel: Channel
+    model: AbstractNetwork, observation: Observation, stimulus: Stimulus, channel: Channel
 ) -> Float[np.ndarray, " time"]:
     """A channel of the response to a stimulus; `"rate"` by the observation."""
     response = model(stimulus.frames, stimulus.fps)

@@ -1,10 +1,11 @@
 """The fit: screening on two levels, descents from the best, the choice by the model's own loss, the uncertainty."""
 
 import dataclasses
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -12,12 +13,11 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from lgmd2jax._compute.tasks import Memory, Result, Work
-from lgmd2jax._network.abstract import Network
+from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.thresholds import Hard, Soft, StraightThrough
 from lgmd2jax._targets.observation import Observation, observation_symbols
-from lgmd2jax._targets.target import Target
 from lgmd2jax._words import nearest
-from lgmd2jax.fitting._conditions import AnyCondition, render
+from lgmd2jax.fitting._conditions import AnyCondition, Rendered, render
 from lgmd2jax.fitting._curve import Curve, curve_of
 from lgmd2jax.fitting._free import Free
 from lgmd2jax.fitting._problem import Curves, Problem, chi2_residuals, problem_of
@@ -30,17 +30,16 @@ from lgmd2jax.fitting._starts import CurveStarts
 from lgmd2jax.fitting._uncertainty.covariance import Uncertainty, prediction_band, uncertainty
 from lgmd2jax.fitting._uncertainty.jacobian import Sensitivity, sensitivity
 from lgmd2jax.fitting._uncertainty.linearity import nonlinear_parameters
-from lgmd2jax.stimuli import Stimulus
 
 if TYPE_CHECKING:
     from distributed import Client
 
-Pairs = Sequence[tuple[Stimulus, Sequence[Target]]]
+_SHARES = (0.25, 0.5, 0.75, 1.0)  # of the way from the start to the end of a descent, among which a score chooses
 _APART = 0.02  # in the unit box; starts closer to a better one are not descended
 
 
 def fit(
-    model: Network,
+    model: AbstractNetwork,
     conditions: Sequence[AnyCondition],
     free: Free,
     *,
@@ -58,6 +57,7 @@ def fit(
     progress: bool = False,
     memory: Memory | None = None,
     client: "Client | None" = None,
+    choose: Callable[[AbstractNetwork], float] | None = None,
 ) -> Fit:
     """Fit a model's free parameters to target curves.
 
@@ -84,6 +84,9 @@ def fit(
     - `progress`: show a bar with the best loss so far.
     - `memory`: a mapping that keeps finished work; given again, the fit goes on from there.
     - `client`: of a Dask cluster, on whose workers the starts are spread instead of on the cores here.
+    - `choose`: what else a model must do, as a score that is higher for a better one. Of the start, the ends of the
+      descents and points between, the model with the highest score is the result, of equals the one with the least
+      loss. Without it the least loss decides.
 
     On Ctrl-C the best so far is returned; its `result` says so. Before the first start is finished the
     `KeyboardInterrupt` goes on to the caller. Fits want float64: `jax_enable_x64`.
@@ -92,6 +95,7 @@ def fit(
     than independent samples, for a prior beside targets without errors, and for settings that make no sense.
     """
     pairs, observation, free = render(conditions), observation or Observation(), free.of(type(model.parameters))
+    free.check_used_by(model)
     temperatures = _temperatures(model, temperatures)
     counts = {"pixel_points": pixel_points, "cell_points": cell_points, "descend": descend, "max_steps": max_steps}
     _check(pairs, free, loss, counts)
@@ -131,7 +135,9 @@ def fit(
         raise RuntimeError(f"the fit did not converge: {result}; see fit(..., throw=False)")
 
     # All that is known of the best point: its curves, and how well they determine it.
-    z = np.array(runs[0].z)
+    z, value, choice = np.array(runs[0].z), runs[0].loss, {}
+    if choose is not None and not stopped:
+        z, value, choice = _chosen(problem, start, runs, choose)
     slopes = sensitivity(problem, jnp.asarray(z), jnp.asarray(temperatures[-1], dtype=float))
     if absolute_errors is None:
         absolute_errors = all(target.has_error for _, targets in pairs for target in targets)
@@ -143,7 +149,7 @@ def fit(
         free=free,
         z=z,
         start={freedom.name: float(freedom.value(at)) for freedom, at in zip(free.freedoms, start, strict=True)},
-        loss=runs[0].loss,
+        loss=value,
         soft_loss=0.5 * float(jnp.square(slopes.residuals).sum()),
         temperatures=temperatures,
         uncertainty=u,
@@ -160,12 +166,14 @@ def fit(
             "seed": list(search.seed),
             "data": int(problem.known().sum()) - problem.priors,
             "num_steps": sum(run.steps for run in runs),
+            **choice,
+            "rules": _rules(pairs),
         },
         problem=problem,
     )
 
 
-def _temperatures(model: Network, temperatures) -> tuple[float, ...]:
+def _temperatures(model: AbstractNetwork, temperatures) -> tuple[float, ...]:
     if temperatures is None:
         own = model.thresholds
         temperatures = [own.temperature] if isinstance(own, Soft | StraightThrough) else TEMPERATURES
@@ -177,7 +185,7 @@ def _temperatures(model: Network, temperatures) -> tuple[float, ...]:
     return temperatures
 
 
-def _check(pairs: list[tuple[Stimulus, list[Target]]], free: Free, loss: str, counts: dict[str, int]) -> None:
+def _check(pairs: Sequence[Rendered], free: Free, loss: str, counts: dict[str, int]) -> None:
     if loss not in LOSSES:
         raise ValueError(f"loss is {loss!r}; choose {nearest(loss, LOSSES)}")
     check_counts(counts, at_least=1)
@@ -204,9 +212,34 @@ def _apart(screened: Mapping[int, Result], count: int) -> list[int]:
     return chosen
 
 
+def _chosen(
+    problem: Problem, start: Float[np.ndarray, " free"], runs: Sequence[Run], choose: Callable[[AbstractNetwork], float]
+) -> tuple[Float[np.ndarray, " free"], float, dict[str, Any]]:
+    """The candidate with the highest score, its loss, and what the choice was between."""
+    ends = [np.array(run.z) for run in runs]
+    candidates = [start, *(start + share * (end - start) for end in ends for share in _SHARES)]
+    losses = [float(_hard_loss(problem, jnp.asarray(z))) for z in candidates]
+    scores = [float(choose(problem.at(z)[0])) for z in candidates]
+    best = max(range(len(candidates)), key=lambda i: (scores[i], -losses[i]))
+    least = int(np.argmin(losses))
+    choice = {"candidates": len(candidates), "score": scores[best]}
+    choice |= {"least_loss": losses[least], "score_of_least_loss": scores[least]}
+    return candidates[best], losses[best], {"choice": choice}
+
+
+@eqx.filter_jit
+def _hard_loss(problem: Problem, z: Float[Array, " free"]) -> Float[Array, ""]:
+    return 0.5 * jnp.square(problem.residuals(z, None)).sum()
+
+
 def _not_run(point: Result) -> Run:
     z, loss = tuple(point["z"]), point["loss"]
     return Run(z, z, loss, loss, float("inf"), (), STOPPED)
+
+
+def _rules(pairs: Sequence[Rendered]) -> dict[str, int]:
+    """How samples are counted and errors arose, where that is not plain, and of how many targets."""
+    return dict(Counter(rule for _, targets in pairs for target in targets for rule in target.rules))
 
 
 def _uncertainty(problem: Problem, z: Float[np.ndarray, " free"], slopes: Sensitivity, absolute: bool) -> Uncertainty:
@@ -228,10 +261,12 @@ def _uncertainty(problem: Problem, z: Float[np.ndarray, " free"], slopes: Sensit
 def _hard_curves(problem: Problem, z: Float[Array, " free"]) -> Curves:
     model, observation = problem.at(z)
     hard = dataclasses.replace(model, thresholds=Hard())
-    return problem.curves(hard, observation, problem.potentials(hard))
+    return problem.curves(hard, observation, problem.sums(hard))
 
 
-def _curves(problem: Problem, pairs: Pairs, slopes: Sensitivity, hard: Curves, u: Uncertainty) -> tuple[Curve, ...]:
+def _curves(
+    problem: Problem, pairs: Sequence[Rendered], slopes: Sensitivity, hard: Curves, u: Uncertainty
+) -> tuple[Curve, ...]:
     """A curve for every target, in the order of the conditions."""
     curves = []
     for (stimulus, targets), places in zip(pairs, problem.places, strict=True):

@@ -10,6 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.parameters import Parameters, ParameterSet, Symbol, symbols
 from lgmd2jax._targets.observation import Observation, observation_symbols
 from lgmd2jax._words import nearest
@@ -99,13 +100,15 @@ class Free:
         self._choices, self._kind = choices, kind
         for name in choices:
             _check_name(name, "free parameter", kind)
-        self.ties: Mapping[str, Tie] = {name: it for name, it in choices.items() if isinstance(it, Tie)}
+        self.ties: Mapping[str, Tie] = {name: choice for name, choice in choices.items() if isinstance(choice, Tie)}
         for name, tie in self.ties.items():
             _check_name(tie.to, f"{name} is tied to a parameter that", kind)
             if tie.to in self.ties or tie.to == name:
                 raise ValueError(f"{name} is tied to {tie.to}, which is tied itself; tie both to one that is not")
         self.freedoms: tuple[Freedom, ...] = tuple(
-            _freedom(name, it, _symbols(kind)[name]) for name, it in choices.items() if not isinstance(it, Tie)
+            _freedom(name, choice, _symbols(kind)[name])
+            for name, choice in choices.items()
+            if not isinstance(choice, Tie)
         )
         if not self.freedoms:
             raise ValueError("free is empty; name at least one parameter")
@@ -120,6 +123,12 @@ class Free:
         free = Free.__new__(Free)
         free._resolve(self._choices, kind)
         return free
+
+    def check_used_by(self, network: AbstractNetwork) -> None:
+        """Raise `ValueError` for a free or tied parameter that acts on nothing in this network."""
+        for name in (*self.names, *self.ties):
+            if name in network.unused:
+                raise ValueError(f"{name} is free, but acts on nothing in this {type(network).__name__}; {_cure(name)}")
 
     def also(self, **choices: "tuple[float | int, float | int] | _Range | Tie | None") -> "Free":
         """These and further choices.
@@ -138,31 +147,34 @@ class Free:
         return hash((self.freedoms, tuple(self.ties.items())))
 
     def __repr__(self):
-        rows = [f"  {it.name:10} {it.low:g} .. {it.high:g} {it.symbol.unit} ({it.scale})" for it in self.freedoms]
+        rows = [
+            f"  {freedom.name:10} {freedom.low:g} .. {freedom.high:g} {freedom.symbol.unit} ({freedom.scale})"
+            for freedom in self.freedoms
+        ]
         rows += [f"  {name:10} = {tie.factor:g} {tie.to}" for name, tie in self.ties.items()]
         return "Free(\n" + "\n".join(rows) + "\n)"
 
     @property
     def names(self) -> tuple[str, ...]:
         """The free parameters, in the order in which they were named."""
-        return tuple(it.name for it in self.freedoms)
+        return tuple(freedom.name for freedom in self.freedoms)
 
     def indices(self, *names: str) -> tuple[int, ...]:
         """Where those of `names` that are free stand."""
-        return tuple(i for i, it in enumerate(self.freedoms) if it.name in names)
+        return tuple(i for i, freedom in enumerate(self.freedoms) if freedom.name in names)
 
     def values(self, z: Float[Array | np.ndarray, " free"]) -> dict[str, Array]:
         """The free parameters and the tied ones at a point of the unit box."""
-        values = {it.name: jnp.asarray(it.value(z[i])) for i, it in enumerate(self.freedoms)}
+        values = {freedom.name: jnp.asarray(freedom.value(z[i])) for i, freedom in enumerate(self.freedoms)}
         return values | {name: tie.factor * values[tie.to] for name, tie in self.ties.items() if tie.to in values}
 
     def unpacked(self, z: Float[np.ndarray, " free"]) -> Float[np.ndarray, " free"]:
         """The values of the free parameters, as an array."""
-        return np.array([float(it.value(place)) for it, place in zip(self.freedoms, z, strict=True)])
+        return np.array([float(freedom.value(place)) for freedom, place in zip(self.freedoms, z, strict=True)])
 
     def slopes(self, z: Float[np.ndarray, " free"]) -> Float[np.ndarray, " free"]:
         """The derivative by z of each free parameter."""
-        return np.array([it.slope(float(z[i])) for i, it in enumerate(self.freedoms)])
+        return np.array([freedom.slope(float(z[i])) for i, freedom in enumerate(self.freedoms)])
 
     def insert(
         self, parameters: P, observation: Observation, z: Float[Array | np.ndarray, " free"]
@@ -182,19 +194,23 @@ class Free:
         **Raises:** `ValueError` for a value outside of its bounds.
         """
         point = []
-        for it in self.freedoms:
-            value = float(getattr(observation if it.name in observation_symbols() else parameters, it.name))
-            if not it.low <= value <= it.high:
+        for freedom in self.freedoms:
+            value = float(getattr(observation if freedom.name in observation_symbols() else parameters, freedom.name))
+            if not freedom.low <= value <= freedom.high:
                 raise ValueError(
-                    f"{it.name} starts at {value:g}, outside of its bounds {it.low:g} to {it.high:g}; "
+                    f"{freedom.name} starts at {value:g}, outside of its bounds {freedom.low:g} to {freedom.high:g}; "
                     "widen them, or start within"
                 )
-            point.append(float(it.place(value)))
+            point.append(float(freedom.place(value)))
         return np.array(point)
 
     def penalties(self, z: Float[Array | np.ndarray, " free"]) -> Float[Array, " priors"]:
         """The residual of each prior: (value - mean) / standard deviation."""
-        rows = [(it.value(z[i]) - it.prior[0]) / it.prior[1] for i, it in enumerate(self.freedoms) if it.prior]
+        rows = [
+            (freedom.value(z[i]) - freedom.prior[0]) / freedom.prior[1]
+            for i, freedom in enumerate(self.freedoms)
+            if freedom.prior
+        ]
         return jnp.stack(rows) if rows else jnp.zeros(0)
 
 
@@ -205,6 +221,13 @@ def _replaced(owner: Any, values: Mapping[str, Array], known) -> Any:
     # In the dtype that the leaf has: another one would compile anew.
     leaves = [values[name].astype(jnp.asarray(getattr(owner, name)).dtype) for name in names]
     return eqx.tree_at(lambda tree: [getattr(tree, name) for name in names], owner, leaves)
+
+
+def _cure(name: str) -> str:
+    mechanism = symbols()[name].mechanism if name in symbols() else None
+    if mechanism is not None:
+        return f"add {mechanism!r} to its mechanisms, or fix the parameter"
+    return "fix the parameter"
 
 
 def _kinds() -> Iterator[type[ParameterSet]]:

@@ -8,10 +8,11 @@ import numpy as np
 from jaxtyping import Float
 from scipy.optimize import least_squares
 
+from lgmd2jax._channels import Channel
 from lgmd2jax._signals import line_through, vertex
 from lgmd2jax._targets.looming_law import LoomingLaw, course
 from lgmd2jax._targets.observation import Observation
-from lgmd2jax._targets.target import Channel, Target
+from lgmd2jax._targets.target import Target
 from lgmd2jax.fitting._curve import Curve, variance_explained
 from lgmd2jax.fitting._validation import leave_one_out
 from lgmd2jax.stimuli import Stimulus

@@ -12,10 +12,10 @@ from jax.tree_util import Partial
 from jaxtyping import Array, Bool, Float
 
 from lgmd2jax._compute.batching import each
-from lgmd2jax._network.abstract import Network
+from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.stages import Sums
 from lgmd2jax._targets.observation import Observation
-from lgmd2jax._targets.target import Target
+from lgmd2jax._targets.target import Target, stride
 from lgmd2jax.fitting._free import Free
 from lgmd2jax.fitting._robust import Loss, robust
 from lgmd2jax.fitting._search.space import Space
@@ -24,8 +24,7 @@ from lgmd2jax.stimuli import Stimulus
 # Far beyond any kernel: no smoothing reaches from a frame that a clip has into one that only fills up its batch.
 _FAR_MS = 1e6
 
-# Of every batch, each of its own size: MP and F, and the curve of each slot; (condition, time).
-Potentials = tuple[tuple[Float[Array, "_ _"], Float[Array, "_ _"]], ...]
+# Of every batch, each of its own size: the curve of each slot; (condition, time).
 Curves = list[list[Float[Array, "_ _"]]]
 
 
@@ -58,33 +57,33 @@ class Batch(eqx.Module):
     slots: tuple[Slot, ...]
 
 
-class Problem(Space[Network]):
+class Problem(Space[AbstractNetwork]):
     """A fit's data and what is free. Two problems of the same shapes share what is compiled."""
 
     batches: tuple[Batch, ...]
     places: tuple[tuple[Place, ...], ...] = eqx.field(static=True)
     loss: Loss = eqx.field(static=True, default="squares")
 
-    def potentials(self, model: Network) -> Potentials:
-        """MP and F of every condition: all that the cell sees."""
+    def sums(self, model: AbstractNetwork) -> tuple[Sums, ...]:
+        """MP and F of every batch, (condition, time): all that the cell needs."""
 
         def one(batch: Batch):
             return each(lambda clip: model.sums(*clip)[0], (batch.frames, batch.interval))
 
         return tuple(one(batch) for batch in self.batches)
 
-    def curves(self, model: Network, observation: Observation, seen: Potentials) -> Curves:
+    def curves(self, model: AbstractNetwork, observation: Observation, sums: tuple[Sums, ...]) -> Curves:
         """The predicted curve of every slot of every batch."""
         curves = []
-        for batch, (mp, f) in zip(self.batches, seen, strict=True):
+        for batch, batch_sums in zip(self.batches, sums, strict=True):
             pixels, channels = batch.frames[0, 0].size, [slot.channel for slot in batch.slots]
 
-            def one(mp, f, interval, time, pixels=pixels, channels=channels):
-                response = model.respond(Sums(mp, f), interval, pixels)
+            def one(sums, interval, time, pixels=pixels, channels=channels):
+                response = model.respond(sums, interval, pixels)
                 rate = observation(response.smp_adapted, time) if "rate" in channels else None
                 return [rate if channel == "rate" else getattr(response, channel) for channel in channels]
 
-            curves.append(jax.vmap(one)(mp, f, batch.interval, batch.time))
+            curves.append(jax.vmap(one)(batch_sums, batch.interval, batch.time))
         return curves
 
     def differences(self, curves: Curves) -> Float[Array, " n"]:
@@ -110,7 +109,7 @@ class Problem(Space[Network]):
     ) -> tuple[Float[Array, " n_and_priors"], Curves]:
         """The residuals, and the curves that they come from."""
         model, observation = self.at(z, temperature)
-        curves = self.curves(model, observation, self.potentials(model))
+        curves = self.curves(model, observation, self.sums(model))
         return jnp.concatenate([self.differences(curves), self.free.penalties(z)]), curves
 
     @property
@@ -126,15 +125,16 @@ class Problem(Space[Network]):
     def frame_errors(self, variance: float) -> dict[str, float]:
         """By channel, the standard error that one frame would have if its neighbours told nothing of it.
 
-        A frame of correlated ones holds a fraction of a sample only, so that its error counts as larger.
+        A frame holds a fraction of a sample only, and its error counts as larger, where frames are correlated and where
+        values are further apart than the frames.
 
         **Arguments:** `variance`: of a residual.
         """
         scales: dict[str, list[np.ndarray]] = {}
         for batch in self.batches:
             for slot in batch.slots:
-                scale = np.asarray(slot.scale) / np.sqrt(np.asarray(slot.thinning))[:, None]
-                scales.setdefault(slot.channel, []).append(scale[scale > 0])
+                for scale, thinning in zip(np.asarray(slot.scale), np.asarray(slot.thinning), strict=True):
+                    scales.setdefault(slot.channel, []).append(scale[scale > 0] / np.sqrt(thinning * stride(scale)))
         noise = max(float(np.sqrt(variance)), 1e-9)  # a twin without noise has none
         return {channel: noise / float(np.median(np.concatenate(rows))) for channel, rows in scales.items()}
 
@@ -162,7 +162,7 @@ def _chi2_residuals(
 
 
 def problem_of(
-    model: Network,
+    model: AbstractNetwork,
     observation: Observation,
     free: Free,
     conditions: Sequence[tuple[Stimulus, Sequence[Target]]],

@@ -6,11 +6,11 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from lgmd2jax._channels import TARGETS, Channel
 from lgmd2jax._network.parameters import ParameterSet, symbols
 from lgmd2jax._reports.digits import measured, plain, rounded
 from lgmd2jax._reports.section import Section
 from lgmd2jax._targets.observation import Observation, observation_symbols
-from lgmd2jax._targets.target import Channel
 from lgmd2jax.fitting._curve import DISAGREEMENT, Curve
 from lgmd2jax.fitting._free import Free
 from lgmd2jax.fitting._law_fit import LawComparison
@@ -19,7 +19,6 @@ from lgmd2jax.fitting._search.descent import FINAL
 from lgmd2jax.fitting._uncertainty.covariance import CONFIDENCE, Uncertainty
 from lgmd2jax.fitting._uncertainty.profile import Profile
 
-UNITS: Mapping[Channel, str] = {"rate": "spikes/s", "spikes": "spikes/frame", "smp": "1", "smp_adapted": "1"}
 _CORRELATED, _MOST = 0.5, 10  # correlations from which, and how many, are told
 
 
@@ -119,8 +118,8 @@ def given_section(
     return Section("Tied parameters and fixed observation", ("given", "value|", "unit", "how"), tuple(rows))
 
 
-def statistics_section(u: Uncertainty, curves: Sequence[Curve]) -> Section:
-    """Chi2 and what follows from it."""
+def statistics_section(u: Uncertainty, curves: Sequence[Curve], rules: Mapping[str, int]) -> Section:
+    """Chi2 and what follows from it. `rules`: how samples and errors arose, each with the number of its curves."""
     data = sum(int((curve.weight > 0).sum()) for curve in curves)
     rows = (
         ("data points", f"{data}", "chi2", f"{u.chi2:.5g}"),
@@ -128,7 +127,10 @@ def statistics_section(u: Uncertainty, curves: Sequence[Curve]) -> Section:
         ("free parameters", f"{len(u.names)}", "AIC", f"{u.aic:.5g}"),
         ("degrees of freedom", f"{u.degrees_of_freedom:.5g}", "BIC", f"{u.bic:.5g}"),
     )
-    return Section("Goodness of fit, of the soft model", ("count", "number|", "statistic", "value|"), rows)
+    sentences = tuple(
+        f"{rule[0].upper()}{rule[1:]} ({count} of {len(curves)} curves)." for rule, count in rules.items()
+    )
+    return Section("Goodness of fit, of the soft model", ("count", "number|", "statistic", "value|"), rows, sentences)
 
 
 def curve_section(curves: Sequence[Curve]) -> Section:
@@ -139,7 +141,7 @@ def curve_section(curves: Sequence[Curve]) -> Section:
             curve.channel,
             *(_share(curve.r2(kind)) for kind in ("soft", "hard")),
             *(f"{curve.rmse(kind):.3g}" for kind in ("soft", "hard")),
-            _unit(UNITS[curve.channel]),
+            _unit(TARGETS[curve.channel].unit),
             f"{curve.gap:.1%}",
         )
         for curve in curves

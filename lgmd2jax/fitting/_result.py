@@ -8,13 +8,14 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from lgmd2jax._network.abstract import Network
+from lgmd2jax._channels import Channel
+from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.parameters import ParameterSet
 from lgmd2jax._network.thresholds import Hard
 from lgmd2jax._protocol.protocol import Condition
 from lgmd2jax._reports.section import Section, as_html, as_text
 from lgmd2jax._targets.observation import Observation, observation_symbols
-from lgmd2jax._targets.target import Channel, Target
+from lgmd2jax._targets.target import Target
 from lgmd2jax._words import warn_renamed
 from lgmd2jax.fitting import _report
 from lgmd2jax.fitting._curve import DISAGREEMENT, Curve, predict
@@ -48,10 +49,11 @@ class Fit:
     - `curves`: target, soft and hard model for every target of every condition.
     - `runs`: the starts that were descended, the best first. `screened`: losses of all points of the search, sorted.
     - `errors`: by channel, the standard error that one frame would have if its neighbours told nothing of it.
-    - `result`: `"converged"`, or why the best descent stopped. `stats`: counts of what was done.
+    - `result`: `"converged"`, or why the best descent stopped. `stats`: counts of what was done, settings, and
+      how samples were counted and errors arose.
     """
 
-    model: Network
+    model: AbstractNetwork
     observation: Observation
     free: Free
     z: Float[np.ndarray, " free"]
@@ -85,13 +87,13 @@ class Fit:
         return self.uncertainty.covariance
 
     @property
-    def soft(self) -> Network:
+    def soft(self) -> AbstractNetwork:
         """The same parameters at the last temperature."""
         thresholds = soften(self.model.thresholds, jnp.asarray(self.temperatures[-1], dtype=float))
         return dataclasses.replace(self.model, thresholds=thresholds)
 
     @property
-    def hard(self) -> Network:
+    def hard(self) -> AbstractNetwork:
         """The same parameters with hard thresholds."""
         return dataclasses.replace(self.model, thresholds=Hard())
 
@@ -160,6 +162,12 @@ class Fit:
     def remarks(self) -> list[str]:
         """What a reader must know before trusting the numbers, a sentence each."""
         remarks = []
+        if choice := self.stats.get("choice"):
+            remarks.append(
+                f"Of {choice['candidates']} candidates this one was chosen for its score of {choice['score']:g}; the "
+                f"least loss is {choice['least_loss']:.4g}, with a score of {choice['score_of_least_loss']:g}. Errors "
+                "and intervals are those of the curves alone, near the chosen point."
+            )
         if self.result not in FINAL:
             remarks.append(f"The last descent did not converge: {self.result}.")
         sides = zip(self.values.items(), self.uncertainty.on_bound, strict=True)
@@ -169,7 +177,7 @@ class Fit:
         for curve in self.curves:
             if not curve.met:
                 remarks.append(
-                    f"{curve.condition}, {curve.channel}: the model cannot meet this target and misses it by "
+                    f"{curve.condition}, {curve.channel}: the model does not meet this target and misses it by "
                     f"{curve.rmse():.3g} (r.m.s.) at the best fit."
                 )
             if curve.gap > DISAGREEMENT:
@@ -207,7 +215,9 @@ class Fit:
             Section(f"Fit: {' | '.join(self.status)}"),
             _report.free_section(free, values, self.start, u, self.curved),
             _report.given_section(free, self.parameters, self.observation, self.channels),
-            _report.statistics_section(u, self.curves),
+            _report.statistics_section(
+                u, self.curves, self.stats.get("rules", {})
+            ),  # an earlier version wrote no rules
             _report.curve_section(self.curves),
             _report.search_section(
                 self.runs, self.best_count, len(self.screened), self.temperatures, self.loss, self.soft_loss

@@ -5,7 +5,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from jaxtyping import Float
 
-from lgmd2jax._targets.target import Channel, Target
+from lgmd2jax._channels import Channel
+from lgmd2jax._targets.target import Target
 from lgmd2jax.fitting._curve import variance_explained
 from lgmd2jax.stimuli import Stimulus
 

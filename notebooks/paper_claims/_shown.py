@@ -73,7 +73,7 @@ class Seen:
         return float((getattr(self, channel) > level).sum(axis=1).mean() * (self.time[1] - self.time[0]))
 
 
-def see(model: lgmd.Network, condition: lgmd.Condition, repeats: int = 1) -> Seen:
+def see(model: lgmd.AbstractNetwork, condition: lgmd.Condition, repeats: int = 1) -> Seen:
     """Show a condition. One that is filmed has other noise in every repeat, and another phase of the camera's clock."""
     camera = condition.camera
     settings = None if camera is None else {key: value for key, value in camera.items() if key != "seed"}
@@ -117,7 +117,7 @@ def conditions(protocol: str) -> dict[str, lgmd.Condition]:
 
 
 @functools.cache
-def network(name: str, eye: lgmd.Eye) -> lgmd.Network:
+def network(name: str, eye: lgmd.Eye) -> lgmd.AbstractNetwork:
     """A network of Table I, or without a mechanism, or with other parameters, by the name that the table gives it."""
     table = lgmd.LGMD2()
     return {
@@ -137,14 +137,14 @@ def network(name: str, eye: lgmd.Eye) -> lgmd.Network:
     }[name]()
 
 
-def _fitted(eye: lgmd.Eye) -> lgmd.Network:
-    """The shipped fit, taken to another frame rate and field of view: k and T_ffi go as one by the field's area."""
+def _fitted(eye: lgmd.Eye) -> lgmd.AbstractNetwork:
+    """The shipped fit, taken to another frame rate and field of view: k and A_ffi go as one by the field's area."""
     own, home = lgmd.load_fit("lgmd2").model, next(iter(conditions("lgmd2").values())).eye
     share = np.prod(home.field_of_view) / np.prod(eye.field_of_view)
     scaled = lgmd.at_frame_rate(own, eye.fps)
     p = scaled.parameters
     return dataclasses.replace(
-        scaled, eye=None, parameters=dataclasses.replace(p, k=share * p.k, T_ffi=share * p.T_ffi)
+        scaled, eye=None, parameters=dataclasses.replace(p, k=share * p.k, A_ffi=share * p.A_ffi)
     )
 
 

@@ -44,5 +44,5 @@ def test_old_functions_that_became_methods():
 
 
 def test_a_name_that_never_was_is_unknown():
-    with pytest.raises(AttributeError, match="No lgmd2jax.alarms attribute footages"):
+    with pytest.raises(AttributeError, match="attribute footages"):
         _ = alarms.footages  # pyright: ignore[reportAttributeAccessIssue]

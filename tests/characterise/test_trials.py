@@ -113,3 +113,11 @@ def test_the_photograph_drifts_at_20_degrees_per_second():
     before, after = drifting[0][:8], drifting[20][:8]  # above the object, which stands
     np.testing.assert_allclose(before[:, :-2], after[:, 2:], atol=1e-3)
     assert np.abs(before - after).max() > 5
+
+
+def test_another_seed_changes_noise_and_texture_alone():
+    eye = lgmd.Eye(rows=10, cols=12, degrees_per_pixel=8.0, fps=20.0)
+    first, other = ({trial.name: trial for trial in trials.all_trials(eye, 0.0, seed)} for seed in (0, 3))
+    assert list(first) == list(other)
+    changed = {name for name in first if not np.array_equal(first[name].frames(eye), other[name].frames(eye))}
+    assert changed == {name for name, trial in first.items() if trial.textured} | {trials.STILL, trials.DRIFTING}

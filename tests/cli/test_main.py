@@ -10,7 +10,6 @@ from importlib.metadata import version
 import pytest
 
 import lgmd2jax as lgmd
-from lgmd2jax._recipes.sweep import load_sweep_recipe
 from lgmd2jax._video.clip_files import FORMS
 from lgmd2jax.alarms import load_labels
 from lgmd2jax.cli import export as command, main
@@ -60,7 +59,7 @@ def test_help_fits_a_screen_and_its_examples_are_of_this_command(name, capsys):
     assert max(map(len, text.splitlines())) <= 120
 
 
-LOADERS = {"fit": lgmd.load_recipe, "sweep": load_sweep_recipe, "stimuli": lgmd.load_protocol, "watch": load_labels}
+LOADERS = {"fit": lgmd.load_recipe, "sweep": lgmd.load_recipe, "stimuli": lgmd.load_protocol, "watch": load_labels}
 
 
 @pytest.mark.parametrize("name", LOADERS)

@@ -7,8 +7,8 @@ import pytest
 import xarray
 
 import lgmd2jax as lgmd
-from lgmd2jax._recipes.sweep import load_sweep_recipe
-from lgmd2jax.cli import main, sweep as _command_sweep
+from lgmd2jax._recipes.load import load_recipe
+from lgmd2jax.cli import main
 
 RECIPE = """
 kind = "sweep"
@@ -63,7 +63,7 @@ def test_ctrl_c_says_how_to_go_on(recipe, capsys, monkeypatch):
     def stopped(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(_command_sweep, "sweep", stopped)
+    monkeypatch.setattr("lgmd2jax._recipes.sweep.sweep", stopped)
     with pytest.raises(SystemExit, match="130"):
         main(["sweep", str(recipe)])
     assert "keeps what is finished: run again" in capsys.readouterr().out
@@ -71,20 +71,24 @@ def test_ctrl_c_says_how_to_go_on(recipe, capsys, monkeypatch):
 
 @pytest.mark.parametrize("name", ["contrast_speed", "gratings", "parameters"])
 def test_shipped_recipes_load(name):
-    assert load_sweep_recipe(name).value in ("peak", "integral")
+    recipe = load_recipe(name)
+    assert isinstance(recipe, lgmd.SweepRecipe)
+    assert recipe.value in ("peak", "integral")
 
 
 def test_the_thresholds_drawn_are_those_of_the_network(recipe):
     surface = RECIPE.replace("[parameters]\ntheta1 = [0, 1, 2]\n", "").replace('index = "contrast"', "")
     for name, levels in (("lgmd2", {"1 spike": 0.78, "2 spikes": 0.88}), ("yue_rind", {"1 spike": 0.86})):
         recipe.write_text(f'model = "preset:{name}"\n{surface}')
-        assert load_sweep_recipe(recipe).thresholds() == pytest.approx(levels)
+        surface_recipe = load_recipe(recipe)
+        assert isinstance(surface_recipe, lgmd.SweepRecipe)
+        assert surface_recipe.thresholds() == pytest.approx(levels)
 
 
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ('"sweep"', '"fit"', "kind is 'fit'; a recipe of this command has kind 'sweep'"),
+        ('"sweep"', '"sweeps"', "kind is 'sweeps'; choose 'sweep'"),
         ('"looming"', '"loming"', "family is 'loming'; choose 'looming'"),
         ("contrast = [", "contrst = [", "unknown key 'contrst'; did you mean 'contrast'?"),
         ("theta1", "theta9", "parameters has 'theta9'"),
@@ -106,6 +110,15 @@ def test_a_bad_recipe_is_one_line_and_writes_nothing(recipe, capsys, untyped, ol
     assert str(recipe) in said
     assert said.count("\n") == 1
     assert [path.name for path in recipe.parent.iterdir()] == ["mine.toml"]
+
+
+def test_a_sweep_that_was_killed_while_its_store_was_made_goes_on(recipe, untyped):
+    """A kill leaves a folder with a hidden half of a store, which is nothing of anybody's."""
+    half = recipe.parent / "mine" / ".sweep.0123abcd.zarr"
+    half.mkdir(parents=True)
+    (half / "zarr.json").write_text("{")
+    assert main(["sweep", str(recipe)]) == 0
+    assert {path.name for path in (recipe.parent / "mine").iterdir()} == {"sweep.zarr", "sweep.png"}
 
 
 def test_the_folder_of_another_sweep_is_refused(recipe, capsys, untyped):

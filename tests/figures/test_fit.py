@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from lgmd2jax._figures import fit as _figures_fit
 from lgmd2jax._figures.fit import diagnostics_figure, fit_figure
-from lgmd2jax._figures.response import BLACK, BLUE, VERMILION
+from lgmd2jax._figures.style import BLACK, BLUE, VERMILION
 from lgmd2jax.fitting import Free
 from tests.fitting.fits import curve, fit_with, run
 
@@ -85,6 +85,14 @@ def test_the_target_is_drawn_where_it_counts_and_not_elsewhere(figures):
     weight = np.where(np.arange(30) < 10, 0.0, 1.0)
     fit_figure("any.png", [curve(weight=weight)], "masked")
     np.testing.assert_array_equal(np.isnan(lines(figures[0].axes[0])["target"].get_ydata()), weight == 0)
+
+
+def test_values_without_neighbours_are_dots(figures):
+    """A line between values of which none is next to the other would be invisible."""
+    weight = np.where(np.isin(np.arange(30), [0, 7, 8, 29]), 1.0, 0.0)
+    fit_figure("any.png", [curve(weight=weight)], "sparse")
+    (dots,) = [line for line in figures[0].axes[0].get_lines() if line.get_marker() == "."]
+    np.testing.assert_array_equal(dots.get_xdata(), 10.0 * (np.array([0, 29]) - 15))
 
 
 def test_axes_have_units_and_channels_share_their_range(figures):

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 import lgmd2jax as lgmd
-from lgmd2jax._targets.target import Channel
+from lgmd2jax._channels import Channel
 from lgmd2jax.fitting import Curve, Fit, Free, Run
 from lgmd2jax.fitting._uncertainty.covariance import uncertainty
 

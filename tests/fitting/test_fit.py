@@ -8,7 +8,7 @@ import optimistix as optx
 import pytest
 
 import lgmd2jax as lgmd
-from lgmd2jax._targets.target import Channel
+from lgmd2jax._channels import Channel
 from lgmd2jax.fitting import _problem
 from lgmd2jax.fitting._search import search as _search
 
@@ -198,7 +198,7 @@ def test_degenerate_cases_end_well(looms):
     unreachable = [(stimulus, lgmd.Target("smp_adapted", np.full(len(stimulus.time), 0.9))) for stimulus in looms]
     fit = lgmd.fit(saturated, unreachable, free, key=KEY, **QUICK)
     assert np.isfinite(fit.loss)
-    assert "cannot meet this target" in " ".join(fit.remarks())
+    assert "does not meet this target" in " ".join(fit.remarks())
 
 
 def test_the_next_stimulus_is_the_one_that_shows_the_parameter(looms):

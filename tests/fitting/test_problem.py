@@ -81,7 +81,7 @@ def test_the_jacobian_is_that_of_finite_differences(problem):
         np.testing.assert_allclose(here.jacobian[:, i], slope, atol=2e-5 * float(jnp.abs(here.jacobian).max()))
 
 
-def test_the_cell_is_searched_on_the_same_potentials(problem):
+def test_the_cell_is_searched_on_the_same_sums(problem):
     """The loss that the search reports is the loss of a whole evaluation at the point that it returns."""
     best = search_cell(problem, Z, sobol(5, 64, (1,)))
     loss = 0.5 * np.sum(np.square(problem.residuals(best.z, None)))
@@ -143,6 +143,23 @@ def test_the_error_of_a_frame_counts_its_neighbours():
     )
     errors = problem.frame_errors(variance=4.0)
     assert errors == pytest.approx({"smp_adapted": 2 * 0.1 * 3**0.5, "spikes": 2 * 0.3, "rate": 2 * 5.0 * 2.0})
+
+
+def test_the_error_of_a_frame_counts_the_frames_between_two_values():
+    """A value every fourth frame tells a quarter of what one in each tells, however its neighbours hang on it."""
+    stimulus, frame = loom(SMALL), 1000 / 30
+    times = np.asarray(stimulus.time)[::4]
+
+    def error(correlation_ms):
+        target = lgmd.Target(
+            "smp", np.full(len(times), 0.6), times, error=0.1, correlation_ms=correlation_ms, interpolate=True
+        )
+        problem = problem_of(TRUTH, OBSERVATION, FREE, [(stimulus, [target.on(stimulus)])], "squares")
+        return problem.frame_errors(variance=1.0)["smp"]
+
+    assert error(0.0) == pytest.approx(0.1 * 4**0.5)
+    assert error(3 * frame) == pytest.approx(0.1 * 4**0.5)  # values of their own
+    assert error(8 * frame) == pytest.approx(0.1 * 8**0.5)
 
 
 def test_sobol_points_fill_the_box_and_follow_the_seed():

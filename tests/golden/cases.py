@@ -247,7 +247,9 @@ def batches() -> Outputs:
     return found | of_response(together, "sets: ")
 
 
-def streamed(model: lgmd.Network, frames: np.ndarray, intervals: Iterable[float] | None, record: Any = None) -> Outputs:
+def streamed(
+    model: lgmd.AbstractNetwork, frames: np.ndarray, intervals: Iterable[float] | None, record: Any = None
+) -> Outputs:
     """A clip, a frame at a time."""
     state, answers = model.init(frames[0]), []
     for frame, interval in zip(frames, intervals or [None] * len(frames), strict=True):
@@ -508,12 +510,12 @@ def declared() -> Outputs:
     found = {}
     for kind in (lgmd.Parameters, lgmd.YueRindParameters):
         for name, symbol in lgmd.symbols(kind).items():
-            found[f"{kind.__name__}.{name}"] = text(repr(dataclasses.astuple(symbol)))
+            found[f"{kind.__name__}.{name}"] = text(repr(dataclasses.astuple(symbol)[:6]))  # what was declared then
         found |= of_parameters(kind(), kind, f"{kind.__name__}, default: ")
     for name in lgmd.PRESETS:
         found |= of_parameters(lgmd.preset(name), lgmd.Parameters, f"preset {name}: ")
     for name, symbol in lgmd.observation_symbols().items():
-        found[f"Observation.{name}"] = text(repr(dataclasses.astuple(symbol)))
+        found[f"Observation.{name}"] = text(repr(dataclasses.astuple(symbol)[:6]))  # what was declared then
     return found
 
 
@@ -665,7 +667,7 @@ def fit_soft_and_its_files() -> Outputs:
     fit = small_fit(lgmd.Soft(0.5), None)
     found = of_fit(fit) | of_curves(fit)
     with scratch() as folder:
-        lgmd.save_fit(fit, folder / "fit", provenance={"recipe": "golden"}, made={"digest": "abc"})
+        lgmd.save_fit(fit, folder / "fit", provenance={"recipe": "golden"}, notes={"digest": "abc"})
         found["files"] = text(" ".join(sorted(it.name for it in (folder / "fit").iterdir())))
         content = json.loads((folder / "fit" / "fit.json").read_text(encoding="utf-8"))
         del content["versions"], content["version"]
@@ -748,7 +750,7 @@ def alarms_fitted() -> Outputs:
         descend=1,
         max_steps=3,
     )
-    found = of_watch(fit.watch, "watched ") | of_parameters(fit.model.parameters, lgmd.Parameters, "parameter ")
+    found = of_watch(fit.evaluation, "watched ") | of_parameters(fit.model.parameters, lgmd.Parameters, "parameter ")
     found["z"] = np.asarray(fit.z)
     found["cost and margin"] = np.array([fit.cost, fit.margin])
     found["screened and right"] = np.array([fit.screened, fit.right])

@@ -162,7 +162,7 @@ WRONG_EQUATIONS = [
 
 WRONG_MECHANISMS = [
     ("self._d_on + self._d_off >", "self._d_on >"),
-    ("self._step_peak(a) * v", "v"),
+    ('> a * v["T_p"]', '> v["T_p"]'),
     ('math.exp(-interval / v["tau_hold"]) * self._held', '(1 - interval / v["tau_hold"]) * self._held'),
     ("np.where(changed, 1.0, ", "np.where(changed, 1.0 + self._held, "),
     ("self._held.mean()", "changed.mean()"),

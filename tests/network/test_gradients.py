@@ -129,7 +129,7 @@ def test_second_derivatives_exist():
 
 
 STEPS = jnp.arange(12.0)[:, None, None] * jnp.full(FRAMES.shape, 10.0)
-STEPS_ALONE = lgmd.Parameters(theta1=1.0, w_bias=0.0, sigma1=0.0, tau2=1e-3)
+STEPS_ALONE = lgmd.Parameters(theta1=1.0, w_bias=0.0, sigma1=0.0, tau2=1e-9)
 HARD_CASES = {
     "rest": (PARAMETERS, jnp.full(FRAMES.shape, 100.0)),
     "saturation": (lgmd.Parameters(theta2=6.0, k=1e-3, T_ffi=1e6), FRAMES),

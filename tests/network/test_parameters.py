@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import lgmd2jax as lgmd
+from tests import clips
 
 TABLE_I = {
     "sigma1": 0.1, "w_bias": 0.3, "T_s": 10, "T_ffi": 10, "T_sfa": 0.001, "sigma_sp": 0.1, "k": 1, "theta1": 0,
@@ -85,3 +86,34 @@ def test_repr_names_value_unit_and_meaning():
 def test_presets(name, thetas):
     parameters = lgmd.preset(name)
     assert (parameters.theta1, parameters.theta2, parameters.theta3) == thetas
+
+
+@pytest.mark.parametrize(
+    ("give", "message"),
+    [
+        (lambda: lgmd.Parameters(tau1=0.03), "tau1 is 0.03 ms; was 30 ms meant, given in seconds?"),
+        (lambda: lgmd.Eye(5, 6, 2.0, 1 / 60), "fps is 0.01667; were 60 frames per second meant"),
+        (lambda: lgmd.LGMD2()(clips.loom(0, (6, 5, 7)) / 255, 30.0), "frames lie in 0..1; were grey levels"),
+    ],
+)
+def test_what_is_hardly_meant_in_this_unit_gets_a_warning(give, message):
+    with pytest.warns(UserWarning, match=message.replace("?", "[?]")):
+        give()
+
+
+def test_the_warning_looks_at_values_and_traces_nothing():
+    """A clip and a parameter that a traced function closes over are known, and may be looked at."""
+    clip, tau1 = jnp.asarray(clips.loom(0, (6, 5, 7)) / 255), jnp.asarray(0.03, dtype=float)
+
+    @jax.jit
+    def peak(theta2):
+        return lgmd.LGMD2(lgmd.Parameters(theta2=theta2, tau1=tau1))(clip, 30.0).smp.max()
+
+    with pytest.warns(UserWarning, match="frames lie in 0..1"), pytest.warns(UserWarning, match="tau1 is 0.03 ms"):
+        peak(2.0)
+
+
+def test_what_is_meant_gets_none():
+    lgmd.Parameters(tau1=1.0, tau_cell=0.0, lag=0.0)
+    lgmd.LGMD2()(np.zeros((4, 5, 6)), 30.0)
+    lgmd.Eye(5, 6, 2.0, 1.0)

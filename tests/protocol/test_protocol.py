@@ -105,7 +105,8 @@ def test_a_condition_may_see_with_another_eye(load):
 
 def test_targets_are_read_with_names_filled_beside_the_protocol(load, tmp_path):
     (tmp_path / "targets").mkdir()
-    (tmp_path / "targets" / "psth.csv").write_text("t,rate_lv3.75_mean,rate_lv15_mean\n-400,1,2\n0,3,4\n")
+    rows = "".join(f"{t},{1 + t / 400},{4 + t / 200}\n" for t in range(-400, 1, 10))
+    (tmp_path / "targets" / "psth.csv").write_text("t,rate_lv3.75_mean,rate_lv15_mean\n" + rows)
     first, second = load("""
         [[condition]]
         name = "{l_over_v}"
@@ -123,7 +124,7 @@ def test_targets_are_read_with_names_filled_beside_the_protocol(load, tmp_path):
         law = "rest"
         channel = "smp"
     """).conditions
-    for condition, values in ((first, [1, 3]), (second, [2, 4])):
+    for condition, values in ((first, [0, 1]), (second, [2, 4])):
         stimulus = condition.render()
         rate, rest = (target.on(stimulus) for target in condition.targets)
         time = np.asarray(stimulus.time)

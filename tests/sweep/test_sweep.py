@@ -1,11 +1,15 @@
 """Sweeps against single calls, their labels, their gradients, and what they refuse."""
 
+import datetime
 from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
+import pandas as pd
 import pytest
+import quantities as pq
+import xarray
 
 import lgmd2jax as lgmd
 
@@ -161,3 +165,49 @@ def test_a_missing_package_names_the_extra(eye, monkeypatch):
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     with pytest.raises(ValueError, match=r"this needs xarray: pip install 'lgmd2jax\[sweep\]'"):
         lgmd.sweep(lgmd.LGMD2(), lgmd.stimuli.looming, eye, contrast=[-0.5])
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        lambda: (-0.9, -0.5),
+        lambda: (value for value in (-0.9, -0.5)),
+        lambda: {-0.9: 1, -0.5: 2}.keys(),
+        lambda: map(float, ["-0.9", "-0.5"]),
+        lambda: pd.Series([-0.9, -0.5]),
+        lambda: xarray.DataArray([-0.9, -0.5]),
+    ],
+)
+def test_whatever_holds_several_values_is_an_axis(eye, values):
+    settings: dict[str, Any] = {"start_ms": -200.0, "end_ms": 60.0}
+    surface = lgmd.sweep(lgmd.LGMD2(), lgmd.stimuli.looming, eye, contrast=values(), **settings)
+    assert surface.contrast.values.tolist() == [-0.9, -0.5]
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({-0.9, -0.5}, "contrast is a set, which has no order; give a list"),
+        (frozenset({-0.9}), "contrast is a set"),
+        ([datetime.date(2026, 1, 1)], "contrast is .*, which has a unit or a date; give plain numbers"),
+        (pd.to_datetime(["2026-01-01"]), "contrast is .*, which has a unit or a date"),
+        ([10, 20] * pq.ms, "contrast is .*, which has a unit or a date"),
+        (pd.to_timedelta([1, 2], unit="s"), "contrast is .*, which has a unit or a date"),
+        (["a", "b"], "contrast is .*; an axis is a list of numbers"),
+        ([[1, 2], [3]], "contrast is .*; an axis is a list of numbers"),
+        (iter([]), r"contrast has shape \(0,\)"),
+    ],
+)
+def test_what_is_no_axis_is_refused_in_one_line(eye, values, message):
+    with pytest.raises(ValueError, match=message) as caught:
+        lgmd.sweep(lgmd.LGMD2(), lgmd.stimuli.looming, eye, contrast=values)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("renderer", "message"),
+    [("loming", "renderer is 'loming'; give a function, .*; choose 'looming' or"), (None, "renderer is None; give a")],
+)
+def test_what_renders_nothing_is_refused(eye, renderer, message, untyped):
+    with pytest.raises(ValueError, match=message):
+        lgmd.sweep(lgmd.LGMD2(), renderer, eye, contrast=[-0.9, -0.5])
