@@ -1,5 +1,6 @@
 """Settings of the whole suite: float64, no silent broadcasting, shapes and types checked on every call."""
 
+import gc
 import os
 import pathlib
 from importlib.metadata import version
@@ -17,6 +18,16 @@ jax.config.update("jax_enable_x64", True)
 jax.config.update("jax_numpy_rank_promotion", "raise")
 jax.config.update("jax_disable_most_optimizations", True)
 jaxtyping.install_import_hook("lgmd2jax", "beartype.beartype")
+
+
+@pytest.fixture(autouse=True, scope="module")
+def few_programs():
+    """Compiled programs dropped where a process holds many: each maps memory, and past 65,530 maps XLA ends it."""
+    yield
+    maps = pathlib.Path("/proc/self/maps")
+    if maps.exists() and len(maps.read_bytes().splitlines()) > 10_000:
+        jax.clear_caches()
+        gc.collect()
 
 
 @pytest.fixture
