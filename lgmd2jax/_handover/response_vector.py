@@ -25,20 +25,19 @@ def response_vector(model: AbstractNetwork, fps: float | None) -> dict[str, Any]
     """
     fps = FPS_WITHOUT_EYE if fps is None else fps
     generator = np.random.default_rng(0)
-    best, most = None, -1
+    moved_little, moved_far = _moved(model, _NEAR), _moved(model, _FAR)
+    candidates = []
     for _ in range(_CLIPS):
         frames = random_clip(generator)
         response = np.stack(_responses(model, model.parameters, frames, fps))
-        near = np.stack(_responses(model, _moved(model, _NEAR), frames, fps), axis=1)
-        far = np.stack(_responses(model, _moved(model, _FAR), frames, fps), axis=1)
+        near = np.stack(_responses(model, moved_little, frames, fps), axis=1)
+        far = np.stack(_responses(model, moved_far, frames, fps), axis=1)
         scale = np.abs(response).max(axis=1)[:, None]
         jumps = np.abs(near - response) > 1e-2 * scale
         jumps[:, -2:] = near[:, -2:] != response[-2:]
         shows = int((np.abs(far - response) > 1e-3 * scale).any(axis=(1, 2)).sum()) if not jumps.any() else 0
-        if shows > most:
-            best, most = (frames, response), shows
-    assert best is not None
-    frames, response = best
+        candidates.append((shows, frames, response))
+    _, frames, response = max(candidates, key=lambda candidate: candidate[0])
     channels = dict(zip(hard.Response._fields, response.tolist(), strict=True))
     for name in ("mp", "ffi", "smp", "smp_adapted"):
         channels[name] = [float(f"{value:.9g}") for value in channels[name]]
