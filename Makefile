@@ -7,6 +7,7 @@ VENV ?= .venv
 
 .PHONY: fit gallery test notebooks lint
 fit: $(VENV)/ready
+	mkdir -p results
 	$(VENV)/bin/lgmd2jax fit fits/lgmd2.toml -o results/lgmd2
 
 # What fits/ shows: the same fits, written where git keeps them.
