@@ -29,7 +29,7 @@ from ._network.thresholds import (
     Thresholds as Thresholds,
     Widths as Widths,
 )
-from ._network.variants import ablate as ablate, at_frame_rate as at_frame_rate
+from ._network.variants import ablate as ablate, at_eye as at_eye, at_frame_rate as at_frame_rate
 from ._network.yue_rind import (
     YueRindLayers as YueRindLayers,
     YueRindLGMD1 as YueRindLGMD1,
