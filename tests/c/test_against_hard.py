@@ -55,7 +55,7 @@ def hard_responses(model, films):
 
 @pytest.mark.parametrize("name", ["the paper's circuit", "persistence, exact low-pass", "all mechanisms"])
 def test_a_hundred_thousand_random_frames(name, record_property, untyped):
-    """Equal but in clips in which a frame lies within rounding of a threshold, from that frame on: these are counted."""
+    """Equal, but for clips in which a frame lies within rounding of a threshold, from there on: these are counted."""
     tool("cc")
     films, model = random_films(), MODELS[name]
     expected, clear = hard_responses(model, films)
