@@ -12,6 +12,7 @@ from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.thresholds import Soft, StraightThrough, Thresholds, Widths
 from lgmd2jax._targets.observation import Observation, observation_symbols
 from lgmd2jax.fitting import Curve, Fit, Free, Linear, Log, Run, Supplement, Tie, Uncertainty
+from lgmd2jax.fitting._curve import tallies
 from lgmd2jax.fitting._free import RANGES
 from lgmd2jax.fitting._uncertainty.covariance import CONFIDENCE
 
@@ -57,6 +58,7 @@ def content_of(fit: Fit, supplement: Supplement) -> dict[str, Any]:
                 "rmse": {"soft": curve.rmse("soft"), "hard": curve.rmse("hard")},
                 "gap": curve.gap,
             }
+            | _band(curve)
             for curve in fit.curves
         ],
         "remarks": fit.remarks(),
@@ -72,6 +74,8 @@ def content_of(fit: Fit, supplement: Supplement) -> dict[str, Any]:
         "screened": fit.screened,
         "versions": {name: version(name) for name in ("lgmd2jax", "jax", "equinox", "optimistix", "numpy")},
     }
+    if words := tallies(fit.curves):
+        content["words"] = [tally._asdict() for tally in words]
     return plain(content)
 
 
@@ -98,13 +102,23 @@ def fit_of(content: dict[str, Any], model: AbstractNetwork, curves: tuple[Curve,
         temperatures=tuple(content["temperatures"]),
         uncertainty=_uncertainty(tuple(choices), content["uncertainty"]),
         curved=tuple(content["curved"]),
-        curves=curves,
+        curves=tuple(
+            dataclasses.replace(curve, quote=entry.get("quote", ""))
+            for curve, entry in zip(curves, content["curves"], strict=True)
+        ),
         runs=tuple(Run.of(run) for run in content["runs"]),
         screened=tuple(content["screened"]),
         errors=content["errors"],
         result=content["result"],
         stats=content["stats"],
     )
+
+
+def _band(curve: Curve) -> dict[str, Any]:
+    """What is told of a band alone."""
+    if not curve.is_band:
+        return {}
+    return {"quote": curve.quote, "within": {"soft": curve.inside("soft"), "hard": curve.inside("hard")}}
 
 
 def _choice(entry: dict[str, Any]) -> Linear | Log:

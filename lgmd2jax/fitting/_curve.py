@@ -1,7 +1,8 @@
-"""One target beside the fitted model's response."""
+"""One target, a curve or a band, beside the fitted model's response."""
 
 import dataclasses
-from typing import Literal
+from collections.abc import Sequence
+from typing import Literal, NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
@@ -15,6 +16,7 @@ from lgmd2jax.stimuli import Stimulus
 
 Kind = Literal["soft", "hard"]
 DISAGREEMENT = 0.05  # of the span, from which soft and hard are said to differ
+_MOST = 0.9  # share of samples within a band, from which it counts as met
 
 
 @dataclasses.dataclass(frozen=True)
@@ -24,6 +26,7 @@ class Curve:
     - `time`: ms. `target`, `sem`, `soft`, `hard`: in the unit of the channel; `sem` is NaN where none was recorded.
     - `weight`: of the squared difference; 0 where there is no target.
     - `band`: standard error of the prediction, from that of the parameters.
+    - `upper`: makes the target a band, of which `target` is the lower edge. `quote`: the words that it stands for.
     """
 
     condition: str
@@ -35,19 +38,43 @@ class Curve:
     soft: Float[np.ndarray, " time"]
     hard: Float[np.ndarray, " time"]
     band: Float[np.ndarray, " time"]
+    upper: Float[np.ndarray, " time"] | None = None
+    quote: str = ""
 
     def r2(self, kind: Kind = "hard") -> float:
-        """Share of the target's variance that the model explains; NaN for a target that does not vary."""
+        """Share of the target's variance that the model explains; NaN for a band, and for one that does not vary."""
+        if self.is_band:
+            return float("nan")
         return variance_explained(self.target, getattr(self, kind), self.weight)
 
     def rmse(self, kind: Kind = "hard") -> float:
         """Root of the mean squared difference from the target, in the channel's unit."""
-        return float(np.sqrt(np.average((getattr(self, kind) - self.target) ** 2, weights=self.weight)))
+        return float(np.sqrt(np.average(self.distance(kind) ** 2, weights=self.weight)))
+
+    @property
+    def is_band(self) -> bool:
+        """Whether the target is a band."""
+        return self.upper is not None
+
+    @property
+    def high(self) -> Float[np.ndarray, " time"]:
+        """The upper edge of a band; of a curve the target itself."""
+        return self.target if self.upper is None else self.upper
+
+    def distance(self, kind: Kind = "hard") -> Float[np.ndarray, " time"]:
+        """From the target, in the channel's unit, negative below; 0 within a band."""
+        response = getattr(self, kind)
+        return response - np.clip(response, self.target, self.high)
+
+    def inside(self, kind: Kind = "hard") -> float:
+        """Share of the samples that count which lie within the band."""
+        return float(np.mean(self.distance(kind)[self.weight > 0] == 0))
 
     @property
     def span(self) -> float:
         """What counts as a large response: the target's range, but no less than half of what the channel can do."""
-        return max(float(np.ptp(self.target[self.weight > 0])), (TARGETS[self.channel].span or 2e-12) / 2)
+        edges = np.concatenate([self.target[self.weight > 0], self.high[self.weight > 0]])
+        return max(float(np.ptp(edges[np.isfinite(edges)])), (TARGETS[self.channel].span or 2e-12) / 2)
 
     @property
     def gap(self) -> float:
@@ -56,8 +83,40 @@ class Curve:
 
     @property
     def met(self) -> bool:
-        """Whether the hard model comes close: it explains half of the variance, or misses by a tenth of `span`."""
+        """Whether the hard model comes close: it explains half of the variance, or misses by a tenth of `span`.
+
+        Of a band nine tenths of the samples must lie within.
+        """
+        if self.is_band:
+            return self.inside() >= _MOST
         return self.r2() >= 0.5 or self.rmse() <= 0.1 * self.span
+
+
+class Tally(NamedTuple):
+    """The bands that stand for the same words.
+
+    - `samples`: of them that count. `soft`, `hard`: share of these within. `farthest`: of the hard model from a band,
+      as a distance.
+    """
+
+    quote: str
+    samples: int
+    soft: float
+    hard: float
+    farthest: float
+
+
+def tallies(curves: Sequence[Curve]) -> list[Tally]:
+    """The bands by their words, in the order in which these come first; those without words are left out."""
+    quotes = dict.fromkeys(curve.quote for curve in curves if curve.is_band and curve.quote)
+    return [_tally(quote, [curve for curve in curves if curve.quote == quote]) for quote in quotes]
+
+
+def _tally(quote: str, curves: Sequence[Curve]) -> Tally:
+    soft, hard = (
+        np.concatenate([curve.distance(kind)[curve.weight > 0] for curve in curves]) for kind in ("soft", "hard")
+    )
+    return Tally(quote, len(hard), float(np.mean(soft == 0)), float(np.mean(hard == 0)), float(np.abs(hard).max()))
 
 
 def predict(
@@ -84,4 +143,16 @@ def curve_of(stimulus: Stimulus, target: Target, soft: np.ndarray, hard: np.ndar
     sem = nothing if target.sem is None else np.asarray(target.sem)
     weight = np.broadcast_to(target.weight, target.values.shape)
     time = np.asarray(stimulus.time)
-    return Curve(stimulus.name, target.channel, time, target.values, sem, weight, soft, hard, band)
+    return Curve(
+        stimulus.name,
+        target.channel,
+        time,
+        target.values,
+        sem,
+        weight,
+        soft,
+        hard,
+        band,
+        upper=target.upper,
+        quote=target.quote,
+    )

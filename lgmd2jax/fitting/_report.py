@@ -11,7 +11,7 @@ from lgmd2jax._network.parameters import ParameterSet, symbols
 from lgmd2jax._reports.digits import measured, plain, rounded
 from lgmd2jax._reports.section import Section
 from lgmd2jax._targets.observation import Observation, observation_symbols
-from lgmd2jax.fitting._curve import DISAGREEMENT, Curve
+from lgmd2jax.fitting._curve import DISAGREEMENT, Curve, tallies
 from lgmd2jax.fitting._free import Free
 from lgmd2jax.fitting._law_fit import LawComparison
 from lgmd2jax.fitting._run import Run
@@ -134,7 +134,7 @@ def statistics_section(u: Uncertainty, curves: Sequence[Curve], rules: Mapping[s
 
 
 def curve_section(curves: Sequence[Curve]) -> Section:
-    """How close soft and hard model come to each target."""
+    """How close soft and hard model come to each target that is a curve."""
     rows = [
         (
             curve.condition,
@@ -145,9 +145,34 @@ def curve_section(curves: Sequence[Curve]) -> Section:
             f"{curve.gap:.1%}",
         )
         for curve in curves
+        if not curve.is_band
     ]
     columns = ("curve", "channel", "R2 soft|", "hard|", "RMSE soft|", "hard|", "unit", "gap|")
     return Section("Curves (gap: of soft and hard, as a share of the span)", columns, tuple(rows))
+
+
+def band_section(curves: Sequence[Curve]) -> Section:
+    """The share of the samples within each band, and within all bands that stand for the same words."""
+    rows = [
+        (
+            curve.condition,
+            curve.channel,
+            f"{(curve.weight > 0).sum()}",
+            *(f"{curve.inside(kind):.1%}" for kind in ("soft", "hard")),
+            f"{np.abs(curve.distance()[curve.weight > 0]).max():.3g}",
+            _unit(TARGETS[curve.channel].unit),
+            f"{curve.gap:.1%}",
+        )
+        for curve in curves
+        if curve.is_band
+    ]
+    columns = ("band", "channel", "samples|", "within: soft|", "hard|", "farthest outside|", "unit", "gap|")
+    sentences = tuple(
+        f'"{tally.quote}": {tally.hard:.1%} of {tally.samples} samples within (soft {tally.soft:.1%}), none farther '
+        f"outside than {tally.farthest:.3g}."
+        for tally in tallies(curves)
+    )
+    return Section("Bands (gap: of soft and hard, as a share of the span)", columns, tuple(rows), sentences)
 
 
 def _share(r2: float) -> str:

@@ -178,8 +178,9 @@ class Fit:
             remarks.append(f"On a bound: {', '.join(bounds)}. Wider bounds may fit better.")
         for curve in self.curves:
             if not curve.met:
+                share = f", with {curve.inside():.0%} of the samples within" if curve.is_band else ""
                 remarks.append(
-                    f"{curve.condition}, {curve.channel}: the model does not meet this target and misses it by "
+                    f"{curve.condition}, {curve.channel}: the model does not meet this target{share} and misses it by "
                     f"{curve.rmse():.3g} (r.m.s.) at the best fit."
                 )
             if curve.gap > DISAGREEMENT:
@@ -221,6 +222,7 @@ class Fit:
                 u, self.curves, self.stats.get("rules", {})
             ),  # an earlier version wrote no rules
             _report.curve_section(self.curves),
+            _report.band_section(self.curves),
             _report.search_section(
                 self.runs, self.best_count, len(self.screened), self.temperatures, self.loss, self.soft_loss
             ),
