@@ -1,5 +1,7 @@
 """Fits to bands: the residuals by NumPy, no slope within, recovery, and how samples within are counted."""
 
+from typing import Any
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -21,9 +23,9 @@ TRUE_CURVE = np.asarray(TRUTH(LOOM.frames, LOOM.fps).smp_adapted)
 COUNT = len(TRUE_CURVE)
 
 
-def around(half_width: float, **settings) -> lgmd.Target:
-    settings = {"error": 0.02} | settings
-    return lgmd.Target("smp_adapted", TRUE_CURVE - half_width, upper=TRUE_CURVE + half_width, **settings)
+def around(half_width: float, error: float = 0.02, quote: str = "") -> lgmd.Target:
+    low, high = TRUE_CURVE - half_width, TRUE_CURVE + half_width
+    return lgmd.Target("smp_adapted", low, upper=high, error=error, quote=quote)
 
 
 def problem(target: lgmd.Target, free: Free = FREE):
@@ -107,7 +109,7 @@ def test_the_report_counts_samples_by_band_and_by_words(fit):
 def test_a_band_that_is_left_is_remarked():
     high = lgmd.Target("smp_adapted", np.full(COUNT, 0.9), upper=np.full(COUNT, 1.0), error=0.02)
     key = jax.random.key(0)
-    settings = {"pixel_points": 2, "cell_points": 8, "descend": 1, "max_steps": 2}
+    settings: Any = {"pixel_points": 2, "cell_points": 8, "descend": 1, "max_steps": 2}
     fit = lgmd.fit(TRUTH, [(LOOM, high)], Free(theta2=(1, 2)), key=key, **settings)
     curve = fit.curves[0]
     assert not curve.met
