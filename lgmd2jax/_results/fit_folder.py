@@ -13,10 +13,12 @@ from lgmd2jax._files.catalogue import locate
 from lgmd2jax._files.folder import replaced_folder
 from lgmd2jax._handover.model_file import load, save
 from lgmd2jax._reports.section import as_html
-from lgmd2jax._results.fit_json import content_of, fit_of, plain
+from lgmd2jax._results.fit_json import content_of, fit_of, observation_of, plain
 from lgmd2jax._results.posterior_nc import write_posterior
+from lgmd2jax._targets.observation import Observation
 from lgmd2jax._words import warn_renamed
 from lgmd2jax.fitting import Curve, Fit, Posterior, Supplement
+from lgmd2jax.fitting._curve import rest_of
 
 MARKER = "fit.json"
 OWN = (
@@ -86,7 +88,8 @@ def load_fit(folder: str | Path) -> Fit:
     folder = _folder(folder)
     try:
         content = json.loads((folder / MARKER).read_text(encoding="utf-8"))
-        return fit_of(content, load(folder / "model.json"), _read_curves(folder / "curves.csv"))
+        curves = _read_curves(folder / "curves.csv", observation_of(content))
+        return fit_of(content, load(folder / "model.json"), curves)
     except (ValueError, KeyError, TypeError) as error:
         raise ValueError(f"{folder} holds no fit that can be used: {error}") from error
 
@@ -110,13 +113,16 @@ def _write_curves(path: Path, curves: tuple[Curve, ...]) -> None:
                 writer.writerow([curve.condition, curve.channel, *cells])
 
 
-def _read_curves(path: Path) -> tuple[Curve, ...]:
+def _read_curves(path: Path, observation: Observation) -> tuple[Curve, ...]:
     """A curve ends where its name changes or time goes back."""
-    curves: list[tuple[tuple[str, str], list[list[float]]]] = []
+    curves: list[tuple[tuple[str, Channel], list[list[float]]]] = []
     with open(path, newline="", encoding="utf-8") as file:
         for condition, channel, *cells in list(csv.reader(file))[1:]:
             row = [float(cell) if cell else math.nan for cell in cells]
             if not curves or curves[-1][0] != (condition, channel) or row[0] <= curves[-1][1][-1][0]:
-                curves.append(((condition, channel), []))
+                curves.append(((condition, cast(Channel, channel)), []))
             curves[-1][1].append(row)
-    return tuple(Curve(name[0], cast(Channel, name[1]), *np.array(rows).T) for name, rows in curves)
+    return tuple(
+        Curve(condition, channel, *np.array(rows).T, rest=rest_of(channel, observation))
+        for (condition, channel), rows in curves
+    )

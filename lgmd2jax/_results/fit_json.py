@@ -42,6 +42,7 @@ def content_of(fit: Fit, supplement: Supplement) -> dict[str, Any]:
         "format": FORMAT,
         "version": VERSION,
         "result": fit.result,
+        "status": fit.status,
         "free": free,
         "ties": {name: dataclasses.asdict(tie) for name, tie in fit.free.ties.items()},
         "observation": observation,
@@ -54,8 +55,9 @@ def content_of(fit: Fit, supplement: Supplement) -> dict[str, Any]:
                 "condition": curve.condition,
                 "channel": curve.channel,
                 "r2": {"soft": curve.r2("soft"), "hard": curve.r2("hard")},
-                "rmse": {"soft": curve.rmse("soft"), "hard": curve.rmse("hard")},
+                "rmse": {kind: curve.rmse(kind) for kind in ("soft", "hard", "silence")},
                 "gap": curve.gap,
+                "grade": curve.grade,
             }
             for curve in fit.curves
         ],
@@ -80,8 +82,7 @@ def fit_of(content: dict[str, Any], model: AbstractNetwork, curves: tuple[Curve,
 
     **Raises:** `ValueError` for another format, and `KeyError` or `TypeError` for what is not complete.
     """
-    if not isinstance(content, dict) or (content.get("format"), content.get("version")) != (FORMAT, VERSION):
-        raise ValueError(f"its format is not {FORMAT!r}, version {VERSION}")
+    observation = observation_of(content)
     thresholds = content["thresholds"]
     if thresholds["kind"] != "Hard":
         kind = {"Soft": Soft, "StraightThrough": StraightThrough}[thresholds["kind"]]
@@ -89,7 +90,7 @@ def fit_of(content: dict[str, Any], model: AbstractNetwork, curves: tuple[Curve,
     choices = {name: _choice(entry) for name, entry in content["free"].items()}
     return Fit(
         model=model,
-        observation=Observation(**content["observation"]),
+        observation=observation,
         free=Free(**choices, **{name: Tie(**tie) for name, tie in content["ties"].items()}),
         z=np.array(content["z"]),
         start={name: entry["start"] for name, entry in content["free"].items()},
@@ -105,6 +106,16 @@ def fit_of(content: dict[str, Any], model: AbstractNetwork, curves: tuple[Curve,
         result=content["result"],
         stats=content["stats"],
     )
+
+
+def observation_of(content: dict[str, Any]) -> Observation:
+    """The observation of a fit.
+
+    **Raises:** as `fit_of`.
+    """
+    if not isinstance(content, dict) or (content.get("format"), content.get("version")) != (FORMAT, VERSION):
+        raise ValueError(f"its format is not {FORMAT!r}, version {VERSION}")
+    return Observation(**content["observation"])
 
 
 def _choice(entry: dict[str, Any]) -> Linear | Log:

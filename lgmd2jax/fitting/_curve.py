@@ -11,10 +11,24 @@ from lgmd2jax._channels import TARGETS, Channel
 from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._targets.observation import Observation
 from lgmd2jax._targets.target import Target
+from lgmd2jax._words import warn_renamed
 from lgmd2jax.stimuli import Stimulus
 
-Kind = Literal["soft", "hard"]
+Kind = Literal["soft", "hard", "silence"]
+Grade = Literal["good", "fair", "missed"]
 DISAGREEMENT = 0.05  # of the span, from which soft and hard are said to differ
+_GOOD, _FAIR = 0.9, 0.5  # least R2
+_HALF = 0.5  # of silence's RMSE, that a response may miss by at most
+_QUIET, _GOOD_QUIET, _FAIR_QUIET = 0.01, 0.03, 0.1  # of the span
+GRADES = (  # the rule, in sentences
+    f"Good: R2 of the hard model at least {_GOOD:g}; fair: at least {_FAIR:g}; both only where its RMSE is at most "
+    f"{_HALF:g} of that of silence, a model that stays at rest. Of a constant target away from rest the variance is "
+    "that about rest.",
+    f"Where silence itself misses by less than {_QUIET:.0%} of the span, quiet is asked: good is then an RMSE of at "
+    f"most {_GOOD_QUIET:.0%} of the span, fair one of at most {_FAIR_QUIET:.0%}. The span is the target's range, but "
+    "no less than half of what the channel can do.",
+    "Missed: all else.",
+)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -24,6 +38,7 @@ class Curve:
     - `time`: ms. `target`, `sem`, `soft`, `hard`: in the unit of the channel; `sem` is NaN where none was recorded.
     - `weight`: of the squared difference; 0 where there is no target.
     - `band`: standard error of the prediction, from that of the parameters.
+    - `rest`: the channel of a cell that stays at rest, in its unit.
     """
 
     condition: str
@@ -35,6 +50,12 @@ class Curve:
     soft: Float[np.ndarray, " time"]
     hard: Float[np.ndarray, " time"]
     band: Float[np.ndarray, " time"]
+    rest: float
+
+    @property
+    def silence(self) -> Float[np.ndarray, " time"]:
+        """A model that stays at rest throughout."""
+        return np.full(self.target.shape, self.rest)
 
     def r2(self, kind: Kind = "hard") -> float:
         """Share of the target's variance that the model explains; NaN for a target that does not vary."""
@@ -55,9 +76,23 @@ class Curve:
         return float(np.sqrt(np.average((self.soft - self.hard) ** 2, weights=self.weight))) / self.span
 
     @property
+    def grade(self) -> Grade:
+        """How well the hard model meets the target, by the rule that `GRADES` states."""
+        miss, silence = self.rmse(), self.rmse("silence")
+        if silence < _QUIET * self.span:
+            return (
+                "good" if miss <= _GOOD_QUIET * self.span else "fair" if miss <= _FAIR_QUIET * self.span else "missed"
+            )
+        if miss > _HALF * silence:
+            return "missed"
+        r2 = 1 - (miss / silence) ** 2 if np.isnan(self.r2()) else self.r2()
+        return "good" if r2 >= _GOOD else "fair" if r2 >= _FAIR else "missed"
+
+    @property
     def met(self) -> bool:
-        """Whether the hard model comes close: it explains half of the variance, or misses by a tenth of `span`."""
-        return self.r2() >= 0.5 or self.rmse() <= 0.1 * self.span
+        """The old name of a `grade` other than missed."""
+        warn_renamed("Curve.met", "Curve.grade")
+        return self.grade != "missed"
 
 
 def predict(
@@ -78,10 +113,18 @@ def variance_explained(target: np.ndarray, curve: np.ndarray, weight: np.ndarray
     return float(1 - np.average((curve - target) ** 2, weights=weight) / variance)
 
 
-def curve_of(stimulus: Stimulus, target: Target, soft: np.ndarray, hard: np.ndarray, band: np.ndarray) -> Curve:
+def rest_of(channel: Channel, observation: Observation) -> float:
+    """A channel of a cell at rest, in its unit."""
+    rest = TARGETS[channel].rest
+    return float(observation.baseline) if rest is None else rest
+
+
+def curve_of(
+    stimulus: Stimulus, target: Target, soft: np.ndarray, hard: np.ndarray, band: np.ndarray, rest: float
+) -> Curve:
     """The curves of one target, whose values stand at the frames of its stimulus."""
     nothing = np.full(len(target.values), np.nan)
     sem = nothing if target.sem is None else np.asarray(target.sem)
     weight = np.broadcast_to(target.weight, target.values.shape)
     time = np.asarray(stimulus.time)
-    return Curve(stimulus.name, target.channel, time, target.values, sem, weight, soft, hard, band)
+    return Curve(stimulus.name, target.channel, time, target.values, sem, weight, soft, hard, band, rest)
