@@ -73,7 +73,7 @@ def located(path: str, folder: Path) -> str:
 def _value(key: str, value: Any, annotation: Any, folder: Path) -> Any:
     origins = {typing.get_origin(choice) for choice in (annotation, *typing.get_args(annotation))}
     if Mapping in origins or (Sequence in origins and isinstance(value, list)):
-        return _collection(key, value, Mapping if Mapping in origins else Sequence)
+        return _collection(key, value, annotation, Mapping if Mapping in origins else Sequence)
     allowed = tuple(parts_of(annotation))
     if isinstance(value, Mapping):
         return _object(key, value, allowed, folder)
@@ -94,14 +94,16 @@ def _value(key: str, value: Any, annotation: Any, folder: Path) -> Any:
     raise ValueError(f"{key} is {value!r}; give {wanted}")
 
 
-def _collection(key: str, value: Any, kind: type) -> Any:
-    """A table of texts and numbers, or a list of texts."""
-    if kind is Sequence and all(isinstance(element, str) for element in value):
+def _collection(key: str, value: Any, annotation: Any, kind: type) -> Any:
+    """A table of texts and numbers, or a list of texts or of numbers."""
+    of_numbers = str not in parts_of(annotation)
+    element_type = (int, float) if of_numbers else str
+    if kind is Sequence and all(isinstance(part, element_type) and not isinstance(part, bool) for part in value):
         return tuple(value)
     plain = isinstance(value, Mapping) and all(isinstance(element, (str, int, float)) for element in value.values())
     if kind is Mapping and plain:
         return dict(value)
-    wanted = "a list of texts" if kind is Sequence else "a table of texts and numbers"
+    wanted = f"a list of {'numbers' if of_numbers else 'texts'}" if kind is Sequence else "a table of texts and numbers"
     raise ValueError(f"{key} is {value!r}; give {wanted}")
 
 

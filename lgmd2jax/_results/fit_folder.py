@@ -106,9 +106,13 @@ def _folder(folder: str | Path) -> Path:
 def _write_curves(path: Path, curves: tuple[Curve, ...]) -> None:
     with open(path, "w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
-        writer.writerow(["condition", "channel", "time_ms", *_COLUMNS])
+        bands = ["upper"] if any(curve.is_band for curve in curves) else []
+        writer.writerow(["condition", "channel", "time_ms", *_COLUMNS, *bands])
         for curve in curves:
-            for row in zip(curve.time, *(getattr(curve, name) for name in _COLUMNS), strict=True):
+            columns = [getattr(curve, name) for name in _COLUMNS]
+            if bands:
+                columns.append(np.full(len(curve.time), np.nan) if curve.upper is None else curve.upper)
+            for row in zip(curve.time, *columns, strict=True):
                 cells = ("" if math.isnan(value) else f"{value:.9g}" for value in row)
                 writer.writerow([curve.condition, curve.channel, *cells])
 
@@ -123,6 +127,13 @@ def _read_curves(path: Path, observation: Observation) -> tuple[Curve, ...]:
                 curves.append(((condition, cast(Channel, channel)), []))
             curves[-1][1].append(row)
     return tuple(
-        Curve(condition, channel, *np.array(rows).T, rest=rest_of(channel, observation))
+        _curve(condition, channel, rest_of(channel, observation), *np.array(rows).T)
         for (condition, channel), rows in curves
     )
+
+
+def _curve(condition: str, channel: Channel, rest: float, *columns: np.ndarray) -> Curve:
+    """The curve; the column of upper edges is empty beside a target that is no band."""
+    plain_columns, (*upper,) = columns[: 1 + len(_COLUMNS)], columns[1 + len(_COLUMNS) :]
+    is_band = bool(upper) and not np.isnan(upper[0]).all()
+    return Curve(condition, channel, *plain_columns, rest=rest, upper=upper[0] if is_band else None)

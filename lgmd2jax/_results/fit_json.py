@@ -12,6 +12,7 @@ from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.thresholds import Soft, StraightThrough, Thresholds, Widths
 from lgmd2jax._targets.observation import Observation, observation_symbols
 from lgmd2jax.fitting import Curve, Fit, Free, Linear, Log, Run, Supplement, Tie, Uncertainty
+from lgmd2jax.fitting._curve import tallies
 from lgmd2jax.fitting._free import RANGES
 from lgmd2jax.fitting._uncertainty.covariance import CONFIDENCE
 
@@ -59,6 +60,7 @@ def content_of(fit: Fit, supplement: Supplement) -> dict[str, Any]:
                 "gap": curve.gap,
                 "grade": curve.grade,
             }
+            | _band(curve)
             for curve in fit.curves
         ],
         "remarks": fit.remarks(),
@@ -74,6 +76,8 @@ def content_of(fit: Fit, supplement: Supplement) -> dict[str, Any]:
         "screened": fit.screened,
         "versions": {name: version(name) for name in ("lgmd2jax", "jax", "equinox", "optimistix", "numpy")},
     }
+    if words := tallies(fit.curves):
+        content["words"] = [tally._asdict() for tally in words]
     return plain(content)
 
 
@@ -99,7 +103,10 @@ def fit_of(content: dict[str, Any], model: AbstractNetwork, curves: tuple[Curve,
         temperatures=tuple(content["temperatures"]),
         uncertainty=_uncertainty(tuple(choices), content["uncertainty"]),
         curved=tuple(content["curved"]),
-        curves=curves,
+        curves=tuple(
+            dataclasses.replace(curve, quote=entry.get("quote", ""))
+            for curve, entry in zip(curves, content["curves"], strict=True)
+        ),
         runs=tuple(Run.of(run) for run in content["runs"]),
         screened=tuple(content["screened"]),
         errors=content["errors"],
@@ -116,6 +123,14 @@ def observation_of(content: dict[str, Any]) -> Observation:
     if not isinstance(content, dict) or (content.get("format"), content.get("version")) != (FORMAT, VERSION):
         raise ValueError(f"its format is not {FORMAT!r}, version {VERSION}")
     return Observation(**content["observation"])
+
+
+def _band(curve: Curve) -> dict[str, Any]:
+    """What is told of a band alone."""
+    if not curve.is_band:
+        return {}
+    within = {kind: curve.inside(kind) for kind in ("soft", "hard", "silence")}
+    return {"quote": curve.quote, "within": within}
 
 
 def _choice(entry: dict[str, Any]) -> Linear | Log:

@@ -254,6 +254,7 @@ def _uncertainty(problem: Problem, z: Float[np.ndarray, " free"], slopes: Sensit
         n_effective=problem.samples(),
         absolute=absolute,
         priors=problem.priors,
+        inside=problem.samples_inside(slopes.curves),
     )
 
 

@@ -14,7 +14,7 @@ from lgmd2jax._network.parameters import ParameterSet, symbols
 from lgmd2jax._reports.digits import measured, plain, rounded
 from lgmd2jax._reports.section import Section
 from lgmd2jax._targets.observation import Observation, observation_symbols
-from lgmd2jax.fitting._curve import DISAGREEMENT, GRADES, Curve, Grade
+from lgmd2jax.fitting._curve import BAND_GRADES, DISAGREEMENT, GRADES, Curve, Grade, tallies
 from lgmd2jax.fitting._free import Free
 from lgmd2jax.fitting._law_fit import LawComparison
 from lgmd2jax.fitting._run import Run
@@ -77,7 +77,7 @@ def grades(curves: Sequence[Curve]) -> str:
 
 def consistent(u: Uncertainty) -> bool:
     """Whether chance alone would make chi2 as large as that in more than a thousandth of all cases."""
-    return bool(scipy.stats.chi2.sf(u.chi2, u.degrees_of_freedom) >= _CHANCE)
+    return bool(scipy.stats.chi2.sf(u.chi2, max(u.degrees_of_freedom, 1)) >= _CHANCE)  # in bands there may be none left
 
 
 def _misfit(u: Uncertainty) -> str:
@@ -85,7 +85,7 @@ def _misfit(u: Uncertainty) -> str:
         return "errors unknown: scaled to the misfit"
     if consistent(u):
         return "misfit consistent with the errors"
-    return f"misfit {math.sqrt(u.reduced_chi2):.3g} times the errors"
+    return f"misfit {math.sqrt(u.chi2 / max(u.degrees_of_freedom, 1)):.3g} times the errors"
 
 
 def free_section(
@@ -162,7 +162,7 @@ def statistics_section(u: Uncertainty, curves: Sequence[Curve], rules: Mapping[s
 
 
 def curve_section(curves: Sequence[Curve]) -> Section:
-    """How close soft and hard model come to each target, and silence beside them."""
+    """How close soft and hard model, and silence, come to each target that is a curve."""
     rows = [
         (
             curve.condition,
@@ -174,10 +174,38 @@ def curve_section(curves: Sequence[Curve]) -> Section:
             curve.grade,
         )
         for curve in curves
+        if not curve.is_band
     ]
     columns = ("curve", "channel", "R2 soft|", "hard|", "RMSE soft|", "hard|", "silence|", "unit", "gap|", "grade")
-    title = f"Curves: {grades(curves)} (gap: of soft and hard, as a share of the span)"
-    return Section(title, columns, tuple(rows), GRADES)
+    title = "Curves (gap: of soft and hard, as a share of the span)"
+    return Section(title, columns, tuple(rows), GRADES if rows else ())
+
+
+def band_section(curves: Sequence[Curve]) -> Section:
+    """The share of the samples within each band, and within all bands that stand for the same words."""
+    rows = [
+        (
+            curve.condition,
+            curve.channel,
+            f"{(curve.weight > 0).sum()}",
+            *(f"{curve.inside(kind):.1%}" for kind in ("soft", "hard", "silence")),
+            f"{np.abs(curve.distance()[curve.weight > 0]).max():.3g}",
+            _unit(TARGETS[curve.channel].unit),
+            f"{curve.gap:.1%}",
+            curve.grade,
+        )
+        for curve in curves
+        if curve.is_band
+    ]
+    columns = ("band", "channel", "samples|", "within: soft|", "hard|", "silence|", "farthest outside|")
+    columns += ("unit", "gap|", "grade")
+    sentences = tuple(
+        f'"{tally.quote}": {tally.hard:.1%} of {tally.samples} samples within (soft {tally.soft:.1%}), none farther '
+        f"outside than {tally.farthest:.3g}."
+        for tally in tallies(curves)
+    )
+    title = "Bands (gap: of soft and hard, as a share of the span)"
+    return Section(title, columns, tuple(rows), (*sentences, *BAND_GRADES) if rows else ())
 
 
 def _share(r2: float) -> str:

@@ -176,16 +176,18 @@ class Fit:
         bounds = [f"{name} ({value:.4g})" for (name, value), side in sides if side]
         if bounds:
             remarks.append(f"On a bound: {', '.join(bounds)}. Wider bounds may fit better.")
-        if self.uncertainty.absolute and not self.uncertainty.reason and not _report.consistent(self.uncertainty):
+        u = self.uncertainty
+        if u.absolute and not u.reason and not _report.consistent(u):
             remarks.append(
-                f"The misfit is not consistent with the errors of the targets (reduced chi2 "
-                f"{self.uncertainty.reduced_chi2:.3g}): the model, or the errors, are wrong, and the intervals, which "
-                "believe them, are too narrow."
+                f"The misfit is not consistent with the errors of the targets (chi2 {u.chi2:.3g} for "
+                f"{u.degrees_of_freedom:.4g} degrees of freedom): the model, or the errors, are wrong, and "
+                "the intervals, which believe them, are too narrow."
             )
         for curve in self.curves:
             if curve.grade == "missed":
+                share = f" and {curve.inside():.0%} of the samples within" if curve.is_band else ""
                 remarks.append(
-                    f"{curve.condition}, {curve.channel}: {self._miss} {curve.rmse():.3g} (r.m.s.), "
+                    f"{curve.condition}, {curve.channel}: {self._miss} {curve.rmse():.3g} (r.m.s.){share}, "
                     f"silence by {curve.rmse('silence'):.3g}."
                 )
             if curve.gap > DISAGREEMENT:
@@ -243,6 +245,7 @@ class Fit:
                 u, self.curves, self.stats.get("rules", {})
             ),  # an earlier version wrote no rules
             _report.curve_section(self.curves),
+            _report.band_section(self.curves),
             _report.search_section(
                 self.runs, self.best_count, len(self.screened), self.temperatures, self.loss, self.soft_loss
             ),

@@ -53,6 +53,21 @@ def test_a_level_away_from_rest_has_no_r2_and_is_graded_about_rest(level, grade)
     assert curve(target=np.full(30, 0.9), hard=np.full(30, level)).grade == grade
 
 
+@pytest.mark.parametrize(("share", "grade"), [(1.0, "good"), (0.9, "good"), (0.8, "fair"), (0.6, "missed")])
+def test_a_band_is_graded_by_the_share_of_samples_within(share, grade):
+    """Silence lies below the band throughout."""
+    hard = np.where(np.arange(30) < 30 * share, 0.8, 0.5)
+    shown = curve(target=np.full(30, 0.7), upper=np.full(30, 0.9), hard=hard)
+    assert shown.inside("silence") == 0
+    assert shown.grade == grade
+
+
+def test_a_band_that_silence_meets_as_well_is_missed_unless_it_asks_for_quiet():
+    response = {"target": np.where(np.arange(30) < 6, 0.7, 0.5), "upper": np.full(30, 0.9)}
+    assert curve(**response, hard=np.full(30, 0.5)).grade == "missed"  # 80 % within
+    assert curve(target=np.full(30, 0.5), upper=np.full(30, 0.6), hard=np.full(30, 0.5)).grade == "good"
+
+
 def test_the_rule_is_told_with_its_numbers():
     rule = " ".join(GRADES)
     for number in (

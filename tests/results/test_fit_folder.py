@@ -85,6 +85,28 @@ def test_curves_are_a_table(folder):
     assert rows[-1]["sem"] == "2"
 
 
+def test_bands_come_back(fit, tmp_path):
+    """Edges, also open ones, and words; beside them a curve stays a curve."""
+    upper = np.where(np.arange(30) < 10, np.inf, 0.95)
+    band = curve(target=np.where(np.arange(30) < 10, 0.5, -np.inf), upper=upper, quote='quiet, "weak" and brief')
+    banded = dataclasses.replace(fit, curves=(band, curve(seed=1)))
+    lgmd.save_fit(banded, tmp_path / "banded")
+    again = lgmd.load_fit(tmp_path / "banded")
+    assert again.curves[0].quote == band.quote
+    np.testing.assert_array_equal(again.curves[0].target, band.target)
+    np.testing.assert_array_equal(again.curves[0].upper, upper)
+    assert not again.curves[1].is_band
+    assert again.summary() == banded.summary()
+    content = json.loads((tmp_path / "banded/fit.json").read_text())
+    assert content["curves"][0]["within"]["hard"] == band.inside()
+    assert "within" not in content["curves"][1]
+    (words,) = content["words"]
+    assert words["quote"] == band.quote
+    assert words["samples"] == 30
+    assert words["hard"] == band.inside()
+    assert words["farthest"] == np.abs(band.distance()).max()
+
+
 def test_soft_thresholds_come_back(fit, tmp_path):
     model = dataclasses.replace(fit.model, thresholds=lgmd.Soft(0.7))
     lgmd.save_fit(dataclasses.replace(fit, model=model), tmp_path / "soft")
