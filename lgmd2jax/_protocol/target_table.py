@@ -51,9 +51,9 @@ def target(table: Table, folder: Path) -> AnyTarget:
     [[condition.target]]                  # a band: what a sentence tells that gives no curve
     law = "band"
     quote = "briefly excited"
-    starts_ms = [-500, 0, 300]            # of the segments
-    low = [0.5, 0.55, 0.5]
-    high = [0.52, 0.8, 0.55]
+    segments_ms = [[0, 150], [300, 1000]] # between them nothing counts
+    low = [0.55, 0.5]
+    high = [0.8, 0.55]
     error = 0.05                          # of a response outside, by its distance
 
     [[condition.target]]                  # what another model answers

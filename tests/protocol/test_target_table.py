@@ -64,8 +64,15 @@ def test_spike_times(folder):
         ({"law": "rest", "weight": 2}, Weighted(Rest(), weight=2)),
         ({"law": "band", "low": 0.5, "high": float("inf")}, Band(low=0.5, high=float("inf"))),
         (
-            {"law": "band", "starts_ms": [-10, 5.5], "low": 0.5, "high": [0.6, 1], "quote": "quiet", "error": 0.1},
-            Weighted(Band(starts_ms=(-10, 5.5), low=0.5, high=(0.6, 1), quote="quiet"), error=0.1),
+            {
+                "law": "band",
+                "segments_ms": [[-10, 0], [5.5, 9]],
+                "low": 0.5,
+                "high": [0.6, 1],
+                "quote": "q",
+                "error": 0.1,
+            },
+            Weighted(Band(segments_ms=((-10, 0), (5.5, 9)), low=0.5, high=(0.6, 1), quote="q"), error=0.1),
         ),
     ],
 )
@@ -140,6 +147,8 @@ MISTAKES = [
     ({"law": "band", "low": 0.7, "high": 0.6}, "low is 0.7 and high 0.6 in segment 1; swap them"),
     ({"law": "band", "low": [0.5, "x"], "high": 0.6}, r"low is \[0.5, 'x'\]; give a list of numbers"),
     ({"law": "band", "low": 0.5, "high": 0.6, "quote": 3}, "quote is 3; give a text"),
+    ({"law": "band", "low": 0.5, "high": 0.6, "segments_ms": 3}, r"segments_ms is 3.0; give \[start, end\] of each"),
+    ({"law": "band", "low": 0.5, "high": 0.6, "segments_ms": [[0, "end"]]}, "give a list of numbers"),
     ({"spikes": "spikes.csv", "channel": "smp"}, "channel is 'smp'; of spike times it is 'rate'"),
     ({"spikes": "spikes.csv", "kernel_ms": 0}, "spikes.csv: kernel_ms is 0.0 ms; give a positive number"),
     ({"spikes": "spikes.csv", "trail": "a"}, "unknown key 'trail'; did you mean 'trial'"),

@@ -26,16 +26,16 @@ def test_one_segment_is_the_whole_stimulus():
     np.testing.assert_array_equal(target.scale, np.ones(11))
 
 
-def test_a_segment_lasts_until_the_next_one():
-    target = Band(starts_ms=[-30, 0, 25], low=[0.5, 0.6, 0.5], high=[0.55, 0.9, 0.7]).on(STIMULUS)
+def test_a_segment_ends_before_its_end_and_gaps_do_not_count():
+    target = Band(segments_ms=[(-30, 0), (0, 20), (40, 90)], low=[0.5, 0.6, 0.5], high=[0.55, 0.9, 0.7]).on(STIMULUS)
     counted = target.scale > 0
-    np.testing.assert_array_equal(counted, FRAMES >= -30)
-    np.testing.assert_array_equal(target.values[counted], [0.5] * 3 + [0.6] * 3 + [0.5] * 3)
-    np.testing.assert_array_equal(upper(target)[counted], [0.55] * 3 + [0.9] * 3 + [0.7] * 3)
+    np.testing.assert_array_equal(FRAMES[counted], [-30, -20, -10, 0, 10, 40, 50])
+    np.testing.assert_array_equal(target.values[counted], [0.5] * 3 + [0.6] * 2 + [0.5] * 2)
+    np.testing.assert_array_equal(upper(target)[counted], [0.55] * 3 + [0.9] * 2 + [0.7] * 2)
 
 
 def test_one_edge_may_be_the_same_in_all_segments():
-    target = Band(starts_ms=[-50, 0], low=0.5, high=[0.6, 0.9]).on(STIMULUS)
+    target = Band(segments_ms=[(-50, 0), (0, 60)], low=0.5, high=[0.6, 0.9]).on(STIMULUS)
     np.testing.assert_array_equal(target.values, np.full(11, 0.5))
     np.testing.assert_array_equal(upper(target), np.where(FRAMES < 0, 0.6, 0.9))
 
@@ -55,10 +55,12 @@ def test_error_and_window_are_those_of_any_target():
         ({"low": np.nan}, "low holds nan; give numbers"),
         ({"low": ["a"]}, "low holds 'a'; give numbers"),
         ({"low": [0.5, 0.5]}, "low has 2 values and there are 1 segments; give one for each"),
-        ({"starts_ms": [0, 20], "high": [0.6, 0.4]}, "low is 0.5 and high 0.4 in segment 2"),
-        ({"starts_ms": [0, 0]}, r"starts_ms is \[0, 0\]; give times in ms that increase"),
-        ({"starts_ms": []}, r"starts_ms is \[\]; give times"),
-        ({"starts_ms": [np.nan]}, "give times in ms that increase"),
+        ({"segments_ms": [(0, 9), (20, 29)], "high": [0.6, 0.4]}, "low is 0.5 and high 0.4 in segment 2"),
+        ({"segments_ms": [(0, 0)]}, r"segments_ms is \[\(0, 0\)\]; give \[start, end\] of each in ms"),
+        ({"segments_ms": [(0, 20), (10, 30)]}, "one after the other"),
+        ({"segments_ms": [(0, 20, 30)]}, "segments_ms is"),
+        ({"segments_ms": []}, r"segments_ms is \[\]; give"),
+        ({"segments_ms": [(np.nan, 2)]}, "segments_ms is"),
         ({"channel": "mp"}, "channel is 'mp'; choose"),
     ],
 )
@@ -68,8 +70,8 @@ def test_what_cannot_be_is_refused(change, message, untyped):
 
 
 def test_every_segment_holds_a_frame():
-    with pytest.raises(ValueError, match="the segment from 60 ms holds no frame; the stimulus covers -50 to 50 ms"):
-        Band(low=0.5, high=0.6, starts_ms=[0, 60]).on(STIMULUS)
+    with pytest.raises(ValueError, match="segment from 60 to 90 ms holds no frame; the stimulus covers -50 to 50 ms"):
+        Band(low=0.5, high=0.6, segments_ms=[(0, 60), (60, 90)]).on(STIMULUS)
 
 
 # As arrays
