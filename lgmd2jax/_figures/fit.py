@@ -12,6 +12,7 @@ from lgmd2jax._channels import TARGETS, Channel
 from lgmd2jax._figures.style import BLACK, BLUE, GREY, VERMILION, drawn
 from lgmd2jax.fitting import Curve, Fit, Run, Uncertainty
 from lgmd2jax.fitting._curve import DISAGREEMENT
+from lgmd2jax.fitting._report import grades
 
 _HEIGHTS = {"rate": 1.9, "smp_adapted": 1.5, "smp": 1.5, "spikes": 0.9}  # of a panel, in inches
 _COLUMNS = 5  # at most
@@ -75,13 +76,11 @@ def _conditions(curves: Sequence[Curve]) -> list[dict[str, Curve]]:
 
 
 def _verdict(curves: Sequence[Curve], name: str) -> str:
-    """What the hard model makes of the targets. R2 says little of what hardly varies, so all are counted."""
-    missed = sum(not curve.met for curve in curves)
-    met = f"meets {len(curves) - missed} of {len(curves)} targets" if missed else f"meets all {len(curves)} targets"
+    """How many targets the hard model meets how well. R2 says little of what hardly varies, so all are counted."""
     explained = [r2 for curve in curves if not np.isnan(r2 := curve.r2())]
     low, high = (min(explained), max(explained)) if explained else (0.0, 0.0)
     explains = f", R² {low:.3f}" + (f" to {high:.3f}" if len(explained) > 1 else "") if low > 0 else ""
-    return f"Fit {name}: the hard model {met}{explains}"
+    return f"Fit {name}, hard model on {len(curves)} targets: {grades(curves)}{explains}"
 
 
 def _limits(curves: Sequence[Curve]) -> tuple[float, float]:
@@ -137,10 +136,11 @@ def _panel(axes: Axes, curve: Curve, limits: tuple[float, float]) -> None:
 
 def _quality(curve: Curve) -> str:
     if curve.is_band:
-        return f"{curve.inside():.0%} within (soft {curve.inside('soft'):.0%}), RMSE {curve.rmse():.2g}"
+        shares = f"{curve.inside():.0%} within (soft {curve.inside('soft'):.0%})"
+        return f"{curve.grade}: {shares}\nsilence {curve.inside('silence'):.0%}, RMSE {curve.rmse():.2g}"
     hard, soft = curve.r2("hard"), curve.r2("soft")
     explained = "flat target" if np.isnan(hard) else f"R² {hard:.3g} (soft {soft:.3g})"
-    return f"{explained}, RMSE {curve.rmse('hard'):.2g}"
+    return f"{curve.grade}: {explained}\nRMSE {curve.rmse('hard'):.2g}, of silence {curve.rmse('silence'):.2g}"
 
 
 def diagnostics_figure(path: str | os.PathLike, fit: Fit) -> None:

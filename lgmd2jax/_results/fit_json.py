@@ -43,6 +43,7 @@ def content_of(fit: Fit, supplement: Supplement) -> dict[str, Any]:
         "format": FORMAT,
         "version": VERSION,
         "result": fit.result,
+        "status": fit.status,
         "free": free,
         "ties": {name: dataclasses.asdict(tie) for name, tie in fit.free.ties.items()},
         "observation": observation,
@@ -55,8 +56,9 @@ def content_of(fit: Fit, supplement: Supplement) -> dict[str, Any]:
                 "condition": curve.condition,
                 "channel": curve.channel,
                 "r2": {"soft": curve.r2("soft"), "hard": curve.r2("hard")},
-                "rmse": {"soft": curve.rmse("soft"), "hard": curve.rmse("hard")},
+                "rmse": {kind: curve.rmse(kind) for kind in ("soft", "hard", "silence")},
                 "gap": curve.gap,
+                "grade": curve.grade,
             }
             | _band(curve)
             for curve in fit.curves
@@ -84,8 +86,7 @@ def fit_of(content: dict[str, Any], model: AbstractNetwork, curves: tuple[Curve,
 
     **Raises:** `ValueError` for another format, and `KeyError` or `TypeError` for what is not complete.
     """
-    if not isinstance(content, dict) or (content.get("format"), content.get("version")) != (FORMAT, VERSION):
-        raise ValueError(f"its format is not {FORMAT!r}, version {VERSION}")
+    observation = observation_of(content)
     thresholds = content["thresholds"]
     if thresholds["kind"] != "Hard":
         kind = {"Soft": Soft, "StraightThrough": StraightThrough}[thresholds["kind"]]
@@ -93,7 +94,7 @@ def fit_of(content: dict[str, Any], model: AbstractNetwork, curves: tuple[Curve,
     choices = {name: _choice(entry) for name, entry in content["free"].items()}
     return Fit(
         model=model,
-        observation=Observation(**content["observation"]),
+        observation=observation,
         free=Free(**choices, **{name: Tie(**tie) for name, tie in content["ties"].items()}),
         z=np.array(content["z"]),
         start={name: entry["start"] for name, entry in content["free"].items()},
@@ -114,11 +115,22 @@ def fit_of(content: dict[str, Any], model: AbstractNetwork, curves: tuple[Curve,
     )
 
 
+def observation_of(content: dict[str, Any]) -> Observation:
+    """The observation of a fit.
+
+    **Raises:** as `fit_of`.
+    """
+    if not isinstance(content, dict) or (content.get("format"), content.get("version")) != (FORMAT, VERSION):
+        raise ValueError(f"its format is not {FORMAT!r}, version {VERSION}")
+    return Observation(**content["observation"])
+
+
 def _band(curve: Curve) -> dict[str, Any]:
     """What is told of a band alone."""
     if not curve.is_band:
         return {}
-    return {"quote": curve.quote, "within": {"soft": curve.inside("soft"), "hard": curve.inside("hard")}}
+    within = {kind: curve.inside(kind) for kind in ("soft", "hard", "silence")}
+    return {"quote": curve.quote, "within": within}
 
 
 def _choice(entry: dict[str, Any]) -> Linear | Log:

@@ -12,11 +12,30 @@ from lgmd2jax._channels import TARGETS, Channel
 from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._targets.observation import Observation
 from lgmd2jax._targets.target import Target
+from lgmd2jax._words import warn_renamed
 from lgmd2jax.stimuli import Stimulus
 
-Kind = Literal["soft", "hard"]
+Kind = Literal["soft", "hard", "silence"]
+Grade = Literal["good", "fair", "missed"]
 DISAGREEMENT = 0.05  # of the span, from which soft and hard are said to differ
-_MOST = 0.9  # share of samples within a band, from which it counts as met
+_GOOD, _FAIR = 0.9, 0.5  # least R2
+_HALF = 0.5  # of silence's RMSE, that a response may miss by at most
+_QUIET, _GOOD_QUIET, _FAIR_QUIET = 0.01, 0.03, 0.1  # of the span
+_GOOD_BAND, _FAIR_BAND = 0.9, 0.7  # least share of samples within a band
+# The rules, in sentences.
+GRADES = (
+    f"Good: R2 of the hard model at least {_GOOD:g}; fair: at least {_FAIR:g}; both only where its RMSE is at most "
+    f"{_HALF:g} of that of silence, a model that stays at rest. Of a constant target away from rest the variance is "
+    "that about rest.",
+    f"Where silence itself misses by less than {_QUIET:.0%} of the span, quiet is asked: good is then an RMSE of at "
+    f"most {_GOOD_QUIET:.0%} of the span, fair one of at most {_FAIR_QUIET:.0%}. The span is the target's range, but "
+    "no less than half of what the channel can do.",
+    "Missed: all else.",
+)
+BAND_GRADES = (
+    f"Good: at least {_GOOD_BAND:.0%} of the hard model's samples within; fair: at least {_FAIR_BAND:.0%}; both only "
+    f"where silence, a model that stays at rest, has fewer within, or itself {_GOOD_BAND:.0%}. Missed: all else.",
+)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -26,6 +45,7 @@ class Curve:
     - `time`: ms. `target`, `sem`, `soft`, `hard`: in the unit of the channel; `sem` is NaN where none was recorded.
     - `weight`: of the squared difference; 0 where there is no target.
     - `band`: standard error of the prediction, from that of the parameters.
+    - `rest`: the channel of a cell that stays at rest, in its unit.
     - `upper`: makes the target a band, of which `target` is the lower edge. `quote`: the words that it stands for.
     """
 
@@ -38,8 +58,14 @@ class Curve:
     soft: Float[np.ndarray, " time"]
     hard: Float[np.ndarray, " time"]
     band: Float[np.ndarray, " time"]
+    rest: float
     upper: Float[np.ndarray, " time"] | None = None
     quote: str = ""
+
+    @property
+    def silence(self) -> Float[np.ndarray, " time"]:
+        """A model that stays at rest throughout."""
+        return np.full(self.target.shape, self.rest)
 
     def r2(self, kind: Kind = "hard") -> float:
         """Share of the target's variance that the model explains; NaN for a band, and for one that does not vary."""
@@ -82,14 +108,34 @@ class Curve:
         return float(np.sqrt(np.average((self.soft - self.hard) ** 2, weights=self.weight))) / self.span
 
     @property
-    def met(self) -> bool:
-        """Whether the hard model comes close: it explains half of the variance, or misses by a tenth of `span`.
+    def grade(self) -> Grade:
+        """How well the hard model meets the target, by the rules that `GRADES` and `BAND_GRADES` state."""
+        return self._band_grade if self.is_band else self._curve_grade
 
-        Of a band nine tenths of the samples must lie within.
-        """
-        if self.is_band:
-            return self.inside() >= _MOST
-        return self.r2() >= 0.5 or self.rmse() <= 0.1 * self.span
+    @property
+    def _band_grade(self) -> Grade:
+        share, silence = self.inside(), self.inside("silence")
+        if silence < _GOOD_BAND and share <= silence:
+            return "missed"
+        return "good" if share >= _GOOD_BAND else "fair" if share >= _FAIR_BAND else "missed"
+
+    @property
+    def _curve_grade(self) -> Grade:
+        miss, silence = self.rmse(), self.rmse("silence")
+        if silence < _QUIET * self.span:
+            return (
+                "good" if miss <= _GOOD_QUIET * self.span else "fair" if miss <= _FAIR_QUIET * self.span else "missed"
+            )
+        if miss > _HALF * silence:
+            return "missed"
+        r2 = 1 - (miss / silence) ** 2 if np.isnan(self.r2()) else self.r2()
+        return "good" if r2 >= _GOOD else "fair" if r2 >= _FAIR else "missed"
+
+    @property
+    def met(self) -> bool:
+        """The old name of a `grade` other than missed."""
+        warn_renamed("Curve.met", "Curve.grade")
+        return self.grade != "missed"
 
 
 class Tally(NamedTuple):
@@ -137,7 +183,15 @@ def variance_explained(target: np.ndarray, curve: np.ndarray, weight: np.ndarray
     return float(1 - np.average((curve - target) ** 2, weights=weight) / variance)
 
 
-def curve_of(stimulus: Stimulus, target: Target, soft: np.ndarray, hard: np.ndarray, band: np.ndarray) -> Curve:
+def rest_of(channel: Channel, observation: Observation) -> float:
+    """A channel of a cell at rest, in its unit."""
+    rest = TARGETS[channel].rest
+    return float(observation.baseline) if rest is None else rest
+
+
+def curve_of(
+    stimulus: Stimulus, target: Target, soft: np.ndarray, hard: np.ndarray, band: np.ndarray, rest: float
+) -> Curve:
     """The curves of one target, whose values stand at the frames of its stimulus."""
     nothing = np.full(len(target.values), np.nan)
     sem = nothing if target.sem is None else np.asarray(target.sem)
@@ -153,6 +207,7 @@ def curve_of(stimulus: Stimulus, target: Target, soft: np.ndarray, hard: np.ndar
         soft,
         hard,
         band,
+        rest,
         upper=target.upper,
         quote=target.quote,
     )

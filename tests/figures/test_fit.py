@@ -144,7 +144,8 @@ def test_where_soft_and_hard_differ_the_panel_says_so(figures):
     texts = [[words.get_text() for words in axes.texts] for axes in figures[0].axes]
     assert texts[0] == []
     assert texts[1] == [f"soft ≠ hard, {curve(hard=curve().soft + 0.3).gap:.0%}"]
-    assert "meets 1 of 2 targets" in figures[0].get_suptitle()
+    assert "on 2 targets: 1 good, 1 missed" in figures[0].get_suptitle()
+    assert [axes.get_title(loc="left").split("\n")[1].split(":")[0] for axes in figures[0].axes] == ["good", "missed"]
 
 
 def test_names_may_repeat(figures):

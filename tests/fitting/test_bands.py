@@ -82,7 +82,7 @@ def fit():
 def test_a_narrow_band_gives_the_parameters_back(fit):
     assert fit.values["theta2"] == pytest.approx(2.0, rel=0.03)
     assert fit.curves[0].inside() == 1
-    assert fit.curves[0].met
+    assert fit.curves[0].grade == "good"
     assert np.isnan(fit.curves[0].r2())
     assert fit.loss == 0
 
@@ -112,9 +112,10 @@ def test_a_band_that_is_left_is_remarked():
     settings: Any = {"pixel_points": 2, "cell_points": 8, "descend": 1, "max_steps": 2}
     fit = lgmd.fit(TRUTH, [(LOOM, high)], Free(theta2=(1, 2)), key=key, **settings)
     curve = fit.curves[0]
-    assert not curve.met
+    assert curve.grade == "missed"
     assert curve.distance().min() == pytest.approx(-0.4)
-    share = f"does not meet this target, with {curve.inside():.0%} of the samples within"
+    share = "was not met, and 1 of 1 descents ended here, so that a wider search may do better; it is missed by "
+    share += f"{curve.rmse():.3g} (r.m.s.) and {curve.inside():.0%} of the samples within, silence by"
     assert any(share in remark for remark in fit.remarks())
 
 

@@ -56,6 +56,16 @@ def test_what_was_written_comes_back(fit, folder):
         again.profile("tau1")
 
 
+def test_grade_and_silence_of_every_target_and_the_status_are_data(fit, folder):
+    content = json.loads((folder / "fit.json").read_text())
+    assert content["status"] == list(fit.status)
+    for entry, shown in zip(content["curves"], fit.curves, strict=True):
+        assert entry["grade"] == shown.grade
+        assert entry["rmse"]["silence"] == shown.rmse("silence") > 0
+    for name in ("report.txt", "report.html"):
+        assert "silence" in (folder / name).read_text(encoding="utf-8")
+
+
 def test_the_old_name_of_the_notes_still_works(fit, tmp_path):
     with pytest.warns(DeprecationWarning, match=r"save_fit\(made=...\) is now save_fit\(notes=...\)"):
         lgmd.save_fit(fit, tmp_path / "old", made={"digest": "abc"})
