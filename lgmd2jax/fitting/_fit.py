@@ -118,7 +118,7 @@ def fit(
         solver=solver,
     )
     starts = CurveStarts(search, max_steps)
-    with Work({} if memory is None else memory, progress, client) as work:
+    with Work({} if memory is None else memory, progress, client, total=pixel_points + descend + 1) as work:
         screened = work.do("screening", starts.screen, range(pixel_points), starts.compile_screening)
         chosen = _apart(screened, descend)
         if not chosen:

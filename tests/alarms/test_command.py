@@ -15,6 +15,7 @@ from lgmd2jax._figures.alarms import clips_figure
 from lgmd2jax.alarms import Rendering, evaluate, load_labels
 from lgmd2jax.alarms._starts import AlarmStarts
 from lgmd2jax.cli import main
+from lgmd2jax.cli.fit_alarms import _held_out_scores
 from tests.videos import noise, write_video
 
 PROTOCOL = """
@@ -84,6 +85,18 @@ def test_the_folder(place):
     report = (place / "mine/report.txt").read_text()
     assert "Clips that the fit did not see: 2 windows" in report
     assert "Table I, T_sp 0.65" in report
+
+
+def test_the_paper_is_scored_with_its_own_structure(place):
+    """Eq. 17 of Table I looks back by 4 frames, whatever the recipe's model does."""
+    recipe = lgmd.alarms.load_recipe(place / "mine.toml")
+    scores = _held_out_scores(recipe, dataclasses.replace(recipe.model, N_ts=1)).scores
+    clips = recipe.held_out()
+    for T_sp in (0.78, 0.65):
+        paper = lgmd.LGMD2(lgmd.preset("lgmd2", T_sp=T_sp), eye=recipe.file.eye)
+        assert scores[f"Table I, T_sp {T_sp:g}"] == evaluate(paper, clips).score()
+    short = dataclasses.replace(paper, N_ts=1)
+    assert evaluate(paper, clips).score() != evaluate(short, clips).score()
 
 
 def test_the_handed_over_model_alarms_as_the_report_says(place):
