@@ -59,7 +59,7 @@ def place(tmp_path_factory):
     write_video(place / "own.mkv", list(noise(30)))
     (place / "own.toml").write_text(PROTOCOL.split("[rendered]")[0] + '[[clip]]\nfile = "own.mkv"\n')
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("lgmd2jax.alarms._decoding.user_cache_path", lambda name: place / name)
+        patch.setattr("lgmd2jax.alarms._decoding.cache_folder", lambda: place / "lgmd2jax")
         assert not main(["fit", str(place / "mine.toml"), "--clips", str(place / "own.toml")])
     return place
 
