@@ -40,7 +40,7 @@ def _value(key: str, value: Any, annotation: Any, folder: Path) -> Any:
     if isinstance(value, Mapping):
         return dict(value) if key == "where" else _object(key, value, folder)
     if isinstance(value, list):
-        return tuple(value)
+        return tuple(tuple(part) if isinstance(part, list) else part for part in value)
     if key == "image":
         return located(value, folder)
     if isinstance(value, int) and not isinstance(value, bool) and float in parts_of(annotation):

@@ -40,9 +40,17 @@ def target(table: Table, folder: Path) -> AnyTarget:
     kernel_ms = 20
     where = { l_over_v = "{l_over_v}" }   # only these rows; and all else that read_spike_trains takes
 
-    [[condition.target]]                  # a law, with the arguments of LoomingLaw, Rest or Onset
-    law = "looming"                       # or "rest", "onset"
+    [[condition.target]]                  # a law, with the arguments of LoomingLaw, Rest, Onset or Band
+    law = "looming"                       # or "rest", "onset", "band"
     peak = 0.4
+
+    [[condition.target]]                  # a band: what a sentence tells that gives no curve
+    law = "band"
+    quote = "briefly excited"
+    segments_ms = [[0, 150], [300, 1000]] # between them nothing counts
+    low = [0.55, 0.5]
+    high = [0.8, 0.55]
+    error = 0.05                          # of a response outside, by its distance
 
     [[condition.target]]                  # what another model answers
     model = "preset:balanced"             # or a hand-over file, or the name of a shipped fit

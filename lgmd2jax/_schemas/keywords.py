@@ -9,7 +9,7 @@ from typing import Any
 
 from pydantic import Field
 
-from lgmd2jax._schemas.parts import Number, Table, Text, Truth, Whole, by_key, either, names, table
+from lgmd2jax._schemas.parts import Number, Table, Text, Truth, Whole, by_key, either, is_list, names, table
 from lgmd2jax.stimuli import BACKGROUNDS, DISTANCES
 from lgmd2jax.stimuli._units import Unit, parts_of
 
@@ -59,7 +59,7 @@ def kind_of(annotation: Any, deep: Wrap) -> Any:
     if Mapping in origins:
         return dict[Text, either(_is_text, {"value": Number, "text": Text})]
     if Sequence in origins:
-        return either(_is_text, {"value": list[Text], "text": Text}) if len(parts) > 1 else list[Text]
+        return _list_kind(annotation, deep)
     if texts:
         return names(texts)
     if 2 in dimensions:
@@ -69,6 +69,17 @@ def kind_of(annotation: Any, deep: Wrap) -> Any:
     if 0 in dimensions or float in parts:
         return Number
     return Truth if parts == [bool] else Whole if int in parts else Text
+
+
+def _list_kind(annotation: Any, deep: Wrap) -> Any:
+    """A list, or also a single value where the annotation allows one."""
+    choices = typing.get_args(annotation)
+    sequence = next(choice for choice in (annotation, *choices) if typing.get_origin(choice) is Sequence)
+    many = list[kind_of(typing.get_args(sequence)[0], deep)]
+    single = [choice for choice in choices if choice not in (sequence, type(None))]
+    if annotation is sequence or not single:
+        return many
+    return either(is_list, {"value": kind_of(single[0], deep), "list": many})
 
 
 def _is_table(content: Any) -> str:

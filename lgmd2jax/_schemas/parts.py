@@ -1,16 +1,34 @@
 """What schemas consist of: strict numbers and texts, tables of known keys, a choice by what a table holds."""
 
+import math
 from collections.abc import Callable, Mapping
 from typing import Annotated, Any, Literal
 
 from annotated_types import Ge, Gt, Le, Lt
-from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, Strict, create_model, model_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    GetCoreSchemaHandler,
+    Strict,
+    create_model,
+    model_validator,
+)
 from pydantic_core import PydanticCustomError, core_schema
 
 MOST_PIXELS = 10_000  # along a side of a frame
 MOST_VALUES = 10_000  # along an axis
 
+
+def _no_nan(value: float) -> float:
+    if math.isnan(value):
+        raise ValueError("must be a number")
+    return value
+
+
 Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
+OpenEnd = Annotated[float, Strict(), AfterValidator(_no_nan)]  # infinite where there is no end
 Positive = Annotated[Number, Gt(0)]
 NotNegative = Annotated[Number, Ge(0)]
 Whole = Annotated[int, Strict()]
@@ -100,5 +118,9 @@ def by_key(key: str, branches: Mapping[str, Any], default: str | None = None) ->
 
 def several(kind: Any) -> Any:
     """A value, or a list of some as an axis of a grid."""
-    lists = Annotated[list[kind], Field(min_length=1, max_length=MOST_VALUES)]
-    return either(lambda content: "axis" if isinstance(content, list) else "value", {"value": kind, "axis": lists})
+    return either(is_list, {"value": kind, "list": Annotated[list[kind], Field(min_length=1, max_length=MOST_VALUES)]})
+
+
+def is_list(content: Any) -> str:
+    """The branch of `either` for a list, or for a single value."""
+    return "list" if isinstance(content, list) else "value"

@@ -13,23 +13,26 @@ from lgmd2jax._schemas.keywords import fields_of
 from lgmd2jax._schemas.parts import (
     NotNegative,
     Number,
+    OpenEnd,
     Positive,
     Seed,
     Table,
     Text,
     by_key,
     either,
+    is_list,
     names,
     several,
     table,
 )
 from lgmd2jax._schemas.sections import eye, observation
+from lgmd2jax._targets.band import Band
 from lgmd2jax._targets.csv_files import read_spike_trains, read_target
 from lgmd2jax._targets.looming_law import LoomingLaw
 from lgmd2jax._targets.rest import Onset, Rest
 from lgmd2jax.stimuli import FAMILIES, camera
 
-LAWS = {"looming": LoomingLaw, "rest": Rest, "onset": Onset}
+LAWS = {"looming": LoomingLaw, "rest": Rest, "onset": Onset, "band": Band}
 
 
 _WEIGHTING = {
@@ -42,7 +45,11 @@ _WEIGHTING = {
 
 
 def _law(name: str, law: type) -> type[Table]:
-    return table(f"{law.__name__}_target", {"law": (names([name]), ...)} | fields_of(law) | _WEIGHTING)
+    fields = {"law": (names([name]), ...)} | fields_of(law) | _WEIGHTING
+    if law is Band:
+        edge = either(is_list, {"value": OpenEnd, "list": list[OpenEnd]})
+        fields |= {"low": (edge, ...), "high": (edge, ...)}
+    return table(f"{law.__name__}_target", fields)
 
 
 def _sources() -> dict[str, Any]:
