@@ -1,6 +1,5 @@
 """The form of a table that gives the keyword arguments of a function, or the fields of a class: their annotations."""
 
-import dataclasses
 import functools
 import inspect
 import typing
@@ -37,7 +36,7 @@ def fields_of(callee: Any, wrap: Wrap = alone, deep: Wrap = alone) -> dict[str, 
 
     **Arguments:** `wrap`: what a value may be besides, such as an axis. `deep`: the same within tables.
     """
-    declared = {field.name: field.type for field in dataclasses.fields(callee)} if inspect.isclass(callee) else {}
+    declared = {field.name: field.type for field in getattr(callee, "__dataclass_fields__", {}).values()}
     fields = {}
     for name, keyword in keywords(callee).items():
         annotation = declared.get(name, keyword.annotation)
