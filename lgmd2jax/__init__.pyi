@@ -35,7 +35,8 @@ from ._network.yue_rind import (
     YueRindLGMD1 as YueRindLGMD1,
     YueRindParameters as YueRindParameters,
 )
-from ._protocol.protocol import Condition as Condition, Protocol as Protocol, load_protocol as load_protocol
+from ._protocol.condition import Condition as Condition, Protocol as Protocol
+from ._protocol.protocol import load_protocol as load_protocol
 from ._recipes.fit import Recipe as Recipe
 from ._recipes.load import load_recipe as load_recipe
 from ._recipes.sweep import SweepRecipe as SweepRecipe
