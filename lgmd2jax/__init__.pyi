@@ -11,6 +11,7 @@ from ._eye import Eye as Eye
 from ._handover.model_file import load as load, save as save
 from ._network.abstract import AbstractNetwork as AbstractNetwork, Response as Response, State as State
 from ._network.lgmd2 import ABLATIONS as ABLATIONS, LGMD2 as LGMD2, MECHANISMS as MECHANISMS
+from ._network.noise import inhibition_in_noise as inhibition_in_noise
 from ._network.parameter_set import ParameterSet as ParameterSet, declares as declares, scalar as scalar
 from ._network.parameters import (
     PRESETS as PRESETS,
