@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from lgmd2jax._channels import RESPONSE
 from lgmd2jax._compute.cluster import need
 from lgmd2jax._files.temporary import temporaries_beside, temporary_beside
 from lgmd2jax._sweep.blocks import Plan, Region
@@ -44,7 +43,10 @@ class Memory:
         """All results, labelled."""
         empty = _labels(self._plan)
         return empty.assign(
-            {name: (_dimensions(self._plan, name), array, _meaning(name)) for name, array in self._arrays.items()}
+            {
+                name: (_dimensions(self._plan, name), array, _meaning(self._plan, name))
+                for name, array in self._arrays.items()
+            }
         )
 
 
@@ -129,7 +131,7 @@ class Store:
                     dtype=dtype,
                     fill_value=np.nan,
                     dimension_names=_dimensions(self._plan, name),
-                    attributes={**_meaning(name)},
+                    attributes={**_meaning(self._plan, name)},
                 )
             count = len(self._plan.numbers())
             group.create_array(_DONE, shape=(count,), chunks=(1,), dtype=bool, fill_value=False)
@@ -156,8 +158,8 @@ def _dimensions(plan: Plan, name: str) -> list[str]:
     return [axis.name for axis in plan.grid.axes] + (["time"] if name in plan.channels else [])
 
 
-def _meaning(name: str) -> dict[str, str]:
-    unit, meaning = SUMMARIES[name] if name in SUMMARIES else RESPONSE[name][:2]
+def _meaning(plan: Plan, name: str) -> dict[str, str]:
+    unit, meaning = SUMMARIES[name] if name in SUMMARIES else plan.grid.setup.model.channels[name][:2]
     return {"units": unit, "long_name": meaning}
 
 
