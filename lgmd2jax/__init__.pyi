@@ -11,6 +11,7 @@ from ._eye import Eye as Eye
 from ._handover.model_file import load as load, save as save
 from ._network.abstract import AbstractNetwork as AbstractNetwork, Response as Response, State as State
 from ._network.lgmd2 import ABLATIONS as ABLATIONS, LGMD2 as LGMD2, MECHANISMS as MECHANISMS
+from ._network.noise import inhibition_in_noise as inhibition_in_noise
 from ._network.parameter_set import ParameterSet as ParameterSet, declares as declares, scalar as scalar
 from ._network.parameters import (
     PRESETS as PRESETS,
@@ -35,12 +36,14 @@ from ._network.yue_rind import (
     YueRindLGMD1 as YueRindLGMD1,
     YueRindParameters as YueRindParameters,
 )
-from ._protocol.protocol import Condition as Condition, Protocol as Protocol, load_protocol as load_protocol
+from ._protocol.condition import Condition as Condition, Protocol as Protocol
+from ._protocol.protocol import load_protocol as load_protocol
 from ._recipes.fit import Recipe as Recipe
 from ._recipes.load import load_recipe as load_recipe
 from ._recipes.sweep import SweepRecipe as SweepRecipe
 from ._results.fit_folder import load_fit as load_fit, save_fit as save_fit
 from ._sweep import surfaces as surfaces, sweep as sweep
+from ._targets.band import Band as Band
 from ._targets.csv_files import read_spike_trains as read_spike_trains, read_target as read_target
 from ._targets.looming_law import LoomingLaw as LoomingLaw
 from ._targets.model_target import ModelTarget as ModelTarget

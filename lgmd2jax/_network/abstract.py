@@ -3,6 +3,7 @@
 import abc
 import dataclasses
 import functools
+import math
 import typing
 import warnings
 from collections.abc import Mapping
@@ -14,9 +15,10 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Real
 
+from lgmd2jax._channels import RESPONSE, Description
 from lgmd2jax._eye import Eye
 from lgmd2jax._network.parameter_set import ParameterSet, check_domains, declared
-from lgmd2jax._network.stages import AbstractCell, AbstractPixels, Interval, Record, Response, Sums
+from lgmd2jax._network.stages import AbstractCell, AbstractPixels, Interval, Levels, Record, Response, Sums
 from lgmd2jax._network.structure import structure_fields
 from lgmd2jax._network.thresholds import Thresholds
 from lgmd2jax._types import Number, cast, is_concrete, unless_nan
@@ -45,6 +47,8 @@ class AbstractNetwork(eqx.Module):
     - `pixels`, `cell`: the stages, an `AbstractPixels` and an `AbstractCell`, made from the fields.
     - `ablations`: by name, the values of parameters or of other fields that take a mechanism out.
     - `unused`: the parameters that act on nothing in this structure; a fit refuses to free them.
+    - `levels`: the thresholds of the cell, which figures draw; `channels`: the unit and meaning of each channel of the
+      response, where they are others than of the LGMD2.
     - `neuron`: as which neuron the 22 properties judge it; any LGMD unless it says otherwise.
     - `conflicts`: what is wrong with parameters that are right each by itself.
 
@@ -76,6 +80,16 @@ class AbstractNetwork(eqx.Module):
     def unused(self) -> frozenset[str]:
         """The parameters that act on nothing in this structure."""
         return frozenset()
+
+    @property
+    def levels(self) -> Levels:
+        """The thresholds of the cell, as figures draw them; none here."""
+        return Levels((), math.inf)
+
+    @property
+    def channels(self) -> Mapping[str, Description]:
+        """What each channel of the response is, with its unit."""
+        return RESPONSE
 
     @property
     def neuron(self) -> Neuron:

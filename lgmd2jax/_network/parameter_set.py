@@ -1,10 +1,9 @@
 """What a parameter declares of itself, and sets of such parameters."""
 
 import dataclasses
-import math
 import warnings
 from collections.abc import Callable
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import equinox as eqx
 import jax
@@ -107,18 +106,6 @@ def declares(
     return {"symbol": Symbol(meaning, unit, domain, bounds, source, scale, stage, per_frame, of_field, mechanism)}
 
 
-class Levels(NamedTuple):
-    """Where a curve crosses what: the SMP from which there are one, two.. spikes, the FFI that forbids them."""
-
-    spikes: tuple[float, ...]
-    ffi: float
-
-    @property
-    def by_count(self) -> dict[str, float]:
-        """The SMP from which there is `1 spike`, from which there are `2 spikes`, and so on."""
-        return {f"{count} spike{'s' * (count > 1)}": level for count, level in enumerate(self.spikes, start=1)}
-
-
 class ParameterSet(eqx.Module):
     """Parameters of a network that declare themselves: one floating scalar each, so the whole is a pytree of leaves.
 
@@ -127,11 +114,6 @@ class ParameterSet(eqx.Module):
 
     **Raises:** `ValueError` for a value outside its domain, when the value is concrete (not traced).
     """
-
-    @property
-    def levels(self) -> Levels:
-        """The thresholds of the cell, as figures draw them; none here."""
-        return Levels((), math.inf)
 
     @property
     def dtype(self):

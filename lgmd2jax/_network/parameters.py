@@ -6,7 +6,7 @@ from collections.abc import Mapping
 import equinox as eqx
 from jaxtyping import Array, Float
 
-from lgmd2jax._network.parameter_set import Levels, ParameterSet, Symbol, declared, declares, scalar
+from lgmd2jax._network.parameter_set import ParameterSet, Symbol, declared, declares, scalar
 from lgmd2jax._words import nearest
 
 _OURS = "; formula and bounds are this project's"
@@ -235,11 +235,6 @@ class Parameters(ParameterSet):
             "time constant of the membrane", "ms", "[0, inf)", (0.0, 80.0), _MEMBRANE, mechanism="membrane"
         ),
     )
-
-    @property
-    def levels(self) -> Levels:
-        """The thresholds of the cell, as figures draw them."""
-        return Levels((float(self.T_sp), float(self.T_sp + self.sigma_sp)), float(self.T_ffi))
 
 
 def symbols(kind: type[ParameterSet] = Parameters) -> dict[str, Symbol]:

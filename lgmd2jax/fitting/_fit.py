@@ -14,11 +14,12 @@ from jaxtyping import Array, Float
 
 from lgmd2jax._compute.tasks import Memory, Result, Work
 from lgmd2jax._network.abstract import AbstractNetwork
+from lgmd2jax._network.noise import inhibition_in_noise
 from lgmd2jax._network.thresholds import Hard, Soft, StraightThrough
 from lgmd2jax._targets.observation import Observation, observation_symbols
 from lgmd2jax._words import nearest
 from lgmd2jax.fitting._conditions import AnyCondition, Rendered, render
-from lgmd2jax.fitting._curve import Curve, curve_of
+from lgmd2jax.fitting._curve import Curve, curve_of, rest_of
 from lgmd2jax.fitting._free import Free
 from lgmd2jax.fitting._problem import Curves, Problem, chi2_residuals, problem_of
 from lgmd2jax.fitting._result import Fit
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
     from distributed import Client
 
 _SHARES = (0.25, 0.5, 0.75, 1.0)  # of the way from the start to the end of a descent, among which a score chooses
+_LOUD = 0.5  # of the inhibiting FFI; noise that reaches it takes part of the response away
 _APART = 0.02  # in the unit box; starts closer to a better one are not descended
 
 
@@ -118,7 +120,7 @@ def fit(
         solver=solver,
     )
     starts = CurveStarts(search, max_steps)
-    with Work({} if memory is None else memory, progress, client) as work:
+    with Work({} if memory is None else memory, progress, client, total=pixel_points + descend + 1) as work:
         screened = work.do("screening", starts.screen, range(pixel_points), starts.compile_screening)
         chosen = _apart(screened, descend)
         if not chosen:
@@ -154,7 +156,7 @@ def fit(
         temperatures=temperatures,
         uncertainty=u,
         curved=nonlinear_parameters(chi2_residuals(problem, temperatures[-1], u.variance), z, u),
-        curves=_curves(problem, pairs, slopes, _hard_curves(problem, jnp.asarray(z)), u),
+        curves=_curves(problem, observation, pairs, slopes, _hard_curves(problem, jnp.asarray(z)), u),
         runs=tuple(runs),
         screened=tuple(sorted(point["loss"] for point in screened.values())),
         errors=problem.frame_errors(u.variance),
@@ -167,6 +169,7 @@ def fit(
             "data": int(problem.known().sum()) - problem.priors,
             "num_steps": sum(run.steps for run in runs),
             **choice,
+            **_loudest(model, pairs),
             "rules": _rules(pairs),
         },
         problem=problem,
@@ -237,6 +240,18 @@ def _not_run(point: Result) -> Run:
     return Run(z, z, loss, loss, float("inf"), (), STOPPED)
 
 
+def _loudest(model: AbstractNetwork, pairs: Sequence[Rendered]) -> dict[str, Any]:
+    """Of the conditions filmed with noise the one in which noise alone inhibits most, where that is much."""
+    noises = {(float(each.parameters["noise"]), each.fps) for each, _ in pairs if "noise" in each.parameters}
+    model = dataclasses.replace(model, thresholds=Hard(), eye=None)
+    shares = {(noise, fps): inhibition_in_noise(model, noise, fps) for noise, fps in noises}
+    loudest = max(shares, key=lambda pair: shares[pair], default=None)
+    if loudest is None or shares[loudest] < _LOUD:
+        return {}
+    noise, fps = loudest
+    return {"inhibition_in_noise": {"noise": noise, "fps": fps, "share": shares[loudest]}}
+
+
 def _rules(pairs: Sequence[Rendered]) -> dict[str, int]:
     """How samples are counted and errors arose, where that is not plain, and of how many targets."""
     return dict(Counter(rule for _, targets in pairs for target in targets for rule in target.rules))
@@ -254,6 +269,7 @@ def _uncertainty(problem: Problem, z: Float[np.ndarray, " free"], slopes: Sensit
         n_effective=problem.samples(),
         absolute=absolute,
         priors=problem.priors,
+        inside=problem.samples_inside(slopes.curves),
     )
 
 
@@ -265,7 +281,12 @@ def _hard_curves(problem: Problem, z: Float[Array, " free"]) -> Curves:
 
 
 def _curves(
-    problem: Problem, pairs: Sequence[Rendered], slopes: Sensitivity, hard: Curves, u: Uncertainty
+    problem: Problem,
+    observation: Observation,
+    pairs: Sequence[Rendered],
+    slopes: Sensitivity,
+    hard: Curves,
+    u: Uncertainty,
 ) -> tuple[Curve, ...]:
     """A curve for every target, in the order of the conditions."""
     curves = []
@@ -275,5 +296,6 @@ def _curves(
             soft_curve = np.asarray(slopes.curves[batch][slot][row])[frames]
             hard_curve = np.asarray(hard[batch][slot][row])[frames]
             band = prediction_band(u, np.asarray(slopes.slopes[batch][slot][row])[frames])
-            curves.append(curve_of(stimulus, target, soft_curve, hard_curve, band))
+            rest = rest_of(target.channel, observation)
+            curves.append(curve_of(stimulus, target, soft_curve, hard_curve, band, rest))
     return tuple(curves)

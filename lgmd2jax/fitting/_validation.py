@@ -15,15 +15,23 @@ Pair = tuple[Stimulus, Sequence[Target]]
 Predict = Callable[[Stimulus, Channel], Float[np.ndarray, " time"]]
 
 
+def check_no_bands(pairs: Sequence[Pair]) -> None:
+    """Raise `ValueError` where the first target of a condition is a band, of which R2 says nothing."""
+    for stimulus, (target, *_) in pairs:
+        if target.is_band:
+            raise ValueError(f"the target of {stimulus.name!r} is a band, which has no R2; leave leave_one_out out")
+
+
 def leave_one_out(fit_to: Callable[[Sequence[Pair]], Predict], pairs: Sequence[Pair]) -> dict[str, float]:
     """R2 of each condition's first target, predicted by a fit to all other conditions.
 
     **Arguments:** `fit_to` fits to conditions, and returns what predicts others.
 
-    **Raises:** `ValueError` for fewer than two conditions.
+    **Raises:** `ValueError` for fewer than two conditions, and for a band, of which R2 says nothing.
     """
     if len(pairs) < 2:
         raise ValueError("there is one condition only; to leave one out, give two or more")
+    check_no_bands(pairs)
     explained = {}
     for left_out, (stimulus, (target, *_)) in enumerate(pairs):
         predict = fit_to([pair for number, pair in enumerate(pairs) if number != left_out])
