@@ -50,7 +50,7 @@ def test_the_delays_may_lie_in_a_section_of_their_own(tmp_path):
         ("positive(-p[c])", "positive(p[c])"),
         (".w_bias = 0.3f", ".w_bias = 0.4f"),
         ("0.125f *", "0.25f *"),
-        ("d_off[0] = d_off[1];", "d_off[0] = 0.0f;"),
+        ("d_off[LGMD2_COLS + 1] = d_off[LGMD2_COLS];", "d_off[LGMD2_COLS + 1] = 0.0f;"),
         ("row < LGMD2_ROWS - 1 ? row + 1 : row", "row"),
         ("s >= v.T_s ? s : 0.0f", "s"),
         ("left * held[c]", "0.0f"),
