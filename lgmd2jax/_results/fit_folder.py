@@ -4,19 +4,22 @@ import csv
 import json
 import math
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
 from lgmd2jax._channels import Channel
+from lgmd2jax._files.atomic import read_json
 from lgmd2jax._files.catalogue import locate
 from lgmd2jax._files.folder import replaced_folder
 from lgmd2jax._handover.model_file import load, save
 from lgmd2jax._reports.section import as_html
-from lgmd2jax._results.fit_json import content_of, fit_of, observation_of, plain
+from lgmd2jax._results.fit_json import content_of, fit_of, plain
 from lgmd2jax._results.posterior_nc import write_posterior
+from lgmd2jax._schemas.check import check
+from lgmd2jax._schemas.fit import FIT, ROWS
 from lgmd2jax._targets.observation import Observation
-from lgmd2jax._words import warn_renamed
+from lgmd2jax._words import warn_renamed, within
 from lgmd2jax.fitting import Curve, Fit, Posterior, Supplement
 from lgmd2jax.fitting._curve import rest_of
 
@@ -33,6 +36,7 @@ OWN = (
 )
 _STATISTICS = ("energy", "diverging", "acceptance_rate", "tree_depth")
 _COLUMNS = ("target", "sem", "weight", "soft", "hard", "band")
+_HEADER = ["condition", "channel", "time_ms", *_COLUMNS]
 
 
 def save_fit(
@@ -86,12 +90,13 @@ def load_fit(folder: str | Path) -> Fit:
     **Raises:** `ValueError` for a folder that holds no fit, `FileNotFoundError` where there is none.
     """
     folder = _folder(folder)
-    try:
-        content = json.loads((folder / MARKER).read_text(encoding="utf-8"))
-        curves = _read_curves(folder / "curves.csv", observation_of(content))
+    content = read_json(folder / MARKER)
+    with within(f"{folder} holds no fit that can be used"):
+        with within(MARKER):
+            check(FIT, content)
+        with within("curves.csv"):
+            curves = _read_curves(folder / "curves.csv", Observation(**content["observation"]))
         return fit_of(content, load(folder / "model.json"), curves)
-    except (ValueError, KeyError, TypeError) as error:
-        raise ValueError(f"{folder} holds no fit that can be used: {error}") from error
 
 
 def _folder(folder: str | Path) -> Path:
@@ -107,7 +112,7 @@ def _write_curves(path: Path, curves: tuple[Curve, ...]) -> None:
     with open(path, "w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         bands = ["upper"] if any(curve.is_band for curve in curves) else []
-        writer.writerow(["condition", "channel", "time_ms", *_COLUMNS, *bands])
+        writer.writerow([*_HEADER, *bands])
         for curve in curves:
             columns = [getattr(curve, name) for name in _COLUMNS]
             if bands:
@@ -119,17 +124,43 @@ def _write_curves(path: Path, curves: tuple[Curve, ...]) -> None:
 
 def _read_curves(path: Path, observation: Observation) -> tuple[Curve, ...]:
     """A curve ends where its name changes or time goes back."""
+    rows = _rows(path)
+    check(ROWS, rows)
     curves: list[tuple[tuple[str, Channel], list[list[float]]]] = []
-    with open(path, newline="", encoding="utf-8") as file:
-        for condition, channel, *cells in list(csv.reader(file))[1:]:
-            row = [float(cell) if cell else math.nan for cell in cells]
-            if not curves or curves[-1][0] != (condition, channel) or row[0] <= curves[-1][1][-1][0]:
-                curves.append(((condition, cast(Channel, channel)), []))
-            curves[-1][1].append(row)
+    for row in rows:
+        name, numbers = (row.pop("condition"), row.pop("channel")), list(row.values())
+        numbers = [math.nan if number is None else number for number in numbers]
+        if not curves or curves[-1][0] != name or numbers[0] <= curves[-1][1][-1][0]:
+            curves.append((name, []))
+        curves[-1][1].append(numbers)
     return tuple(
         _curve(condition, channel, rest_of(channel, observation), *np.array(rows).T)
         for (condition, channel), rows in curves
     )
+
+
+def _rows(path: Path) -> list[dict[str, Any]]:
+    """The rows of a table by the names in its header; cells that hold numbers as numbers, empty ones as None."""
+    try:
+        with open(path, newline="", encoding="utf-8") as file:
+            header, *lines = list(csv.reader(file, strict=True)) or [[]]
+    except (csv.Error, UnicodeDecodeError) as error:
+        raise ValueError(f"it is no table of comma-separated values: {error}") from error
+    if header[: len(_HEADER)] != _HEADER or header[len(_HEADER) :] not in ([], ["upper"]):
+        raise ValueError(f"its header is {','.join(header):.80}; it must be {','.join(_HEADER)}")
+    for number, cells in enumerate(lines):
+        if len(cells) != len(header):
+            raise ValueError(f"[{number}] has {len(cells)} cells and the header {len(header)}")
+    return [{name: _cell(name, text) for name, text in zip(header, cells, strict=True)} for cells in lines]
+
+
+def _cell(name: str, text: str) -> Any:
+    if name in ("condition", "channel"):
+        return text
+    try:
+        return float(text) if text else None
+    except ValueError:
+        return text  # which the schema refuses
 
 
 def _curve(condition: str, channel: Channel, rest: float, *columns: np.ndarray) -> Curve:
