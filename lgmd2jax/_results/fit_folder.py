@@ -30,7 +30,7 @@ OWN = (
     "posterior.nc",
 )
 _STATISTICS = ("energy", "diverging", "acceptance_rate", "tree_depth")
-_COLUMNS = ("target", "sem", "weight", "soft", "hard", "band")
+_COLUMNS = ("target", "sem", "weight", "soft", "hard", "band", "error")
 
 
 def save_fit(
@@ -79,20 +79,35 @@ def save_fit(
 
 
 def load_fit(folder: str | Path) -> Fit:
-    """The fit of a result folder, or of a shipped one by its bare name. It predicts; it does not hold the targets.
+    """The fit of a result folder or of its fit.json, or of a shipped one by its bare name.
+
+    It predicts; it does not hold the targets.
 
     **Raises:** `ValueError` for a folder that holds no fit, `FileNotFoundError` where there is none.
     """
-    folder = _folder(folder)
+    return load_validated_fit(folder)[0]
+
+
+def load_validated_fit(folder: str | Path) -> tuple[Fit, dict[str, float]]:
+    """The fit of `load_fit`, and R2 of each condition that was left out, predicted by a fit to others; {} for none."""
+    folder = fit_folder(folder)
     try:
         content = json.loads((folder / MARKER).read_text(encoding="utf-8"))
-        return fit_of(content, load(folder / "model.json"), _read_curves(folder / "curves.csv"))
-    except (ValueError, KeyError, TypeError) as error:
+        fit = fit_of(content, load(folder / "model.json"), _read_curves(folder / "curves.csv"))
+        left_out = content["leave_one_out_r2"].items()
+        return fit, {name: math.nan if r2 is None else r2 for name, r2 in left_out}
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise ValueError(f"{folder} holds no fit that can be used: {error}") from error
 
 
-def _folder(folder: str | Path) -> Path:
+def fit_folder(folder: str | Path) -> Path:
+    """The folder of a fit that a path or a bare name stands for.
+
+    **Raises:** `ValueError` for a folder that holds no fit, `FileNotFoundError` where there is none.
+    """
     path = Path(folder)
+    if path.name == MARKER and path.is_file():
+        return path.parent
     if path.is_dir():
         if not (path / MARKER).is_file():
             raise ValueError(f"{path} holds no fit: there is no {MARKER}")
@@ -111,12 +126,12 @@ def _write_curves(path: Path, curves: tuple[Curve, ...]) -> None:
 
 
 def _read_curves(path: Path) -> tuple[Curve, ...]:
-    """A curve ends where its name changes or time goes back."""
+    """A curve ends where its name changes or time goes back. An earlier version wrote no `error`."""
     curves: list[tuple[tuple[str, str], list[list[float]]]] = []
     with open(path, newline="", encoding="utf-8") as file:
         for condition, channel, *cells in list(csv.reader(file))[1:]:
             row = [float(cell) if cell else math.nan for cell in cells]
             if not curves or curves[-1][0] != (condition, channel) or row[0] <= curves[-1][1][-1][0]:
                 curves.append(((condition, channel), []))
-            curves[-1][1].append(row)
+            curves[-1][1].append(row if len(row) > len(_COLUMNS) else [*row, math.nan])
     return tuple(Curve(name[0], cast(Channel, name[1]), *np.array(rows).T) for name, rows in curves)

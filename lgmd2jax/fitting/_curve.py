@@ -24,6 +24,8 @@ class Curve:
     - `time`: ms. `target`, `sem`, `soft`, `hard`: in the unit of the channel; `sem` is NaN where none was recorded.
     - `weight`: of the squared difference; 0 where there is no target.
     - `band`: standard error of the prediction, from that of the parameters.
+    - `error`: standard error with which a frame counts in chi2, the larger the more frames make one independent sample;
+      NaN where there is no target, and throughout where an earlier version wrote the curves.
     """
 
     condition: str
@@ -35,6 +37,7 @@ class Curve:
     soft: Float[np.ndarray, " time"]
     hard: Float[np.ndarray, " time"]
     band: Float[np.ndarray, " time"]
+    error: Float[np.ndarray, " time"]
 
     def r2(self, kind: Kind = "hard") -> float:
         """Share of the target's variance that the model explains; NaN for a target that does not vary."""
@@ -43,6 +46,18 @@ class Curve:
     def rmse(self, kind: Kind = "hard") -> float:
         """Root of the mean squared difference from the target, in the channel's unit."""
         return float(np.sqrt(np.average((getattr(self, kind) - self.target) ** 2, weights=self.weight)))
+
+    def chi2(self, kind: Kind = "hard") -> float:
+        """Sum of the squared differences in standard errors, of independent samples; NaN where errors are unknown."""
+        return self._chi2_of(getattr(self, kind))
+
+    @property
+    def chi2_of_mean(self) -> float:
+        """Chi2 of a constant, the target's own mean: what there is to explain."""
+        return self._chi2_of(np.average(self.target, weights=self.weight))
+
+    def _chi2_of(self, values: np.ndarray | np.floating) -> float:
+        return float(np.square((values - self.target) / self.error)[self.weight > 0].sum())
 
     @property
     def span(self) -> float:
@@ -83,5 +98,6 @@ def curve_of(stimulus: Stimulus, target: Target, soft: np.ndarray, hard: np.ndar
     nothing = np.full(len(target.values), np.nan)
     sem = nothing if target.sem is None else np.asarray(target.sem)
     weight = np.broadcast_to(target.weight, target.values.shape)
-    time = np.asarray(stimulus.time)
-    return Curve(stimulus.name, target.channel, time, target.values, sem, weight, soft, hard, band)
+    time, scale = np.asarray(stimulus.time), target.scale
+    error = np.where(scale > 0, np.sqrt(target.thinning) / np.where(scale > 0, scale, 1), np.nan)
+    return Curve(stimulus.name, target.channel, time, target.values, sem, weight, soft, hard, band, error)

@@ -25,6 +25,7 @@ def curve(
         "soft": soft,
         "hard": soft.copy(),
         "band": np.full(frames, 0.01),
+        "error": np.full(frames, 0.02),
     }
     return Curve(condition, channel, **(given | changes))
 
