@@ -14,11 +14,11 @@ import numpy as np
 from lgmd2jax import hard
 from lgmd2jax._eye import Eye
 from lgmd2jax._files.atomic import replaced
-from lgmd2jax._handover.networks import NETWORKS
 from lgmd2jax._handover.response_vector import response_vector
 from lgmd2jax._handover.test_vector import make_test_vector
 from lgmd2jax._network.abstract import AbstractNetwork, parameters_of
 from lgmd2jax._network.lgmd2 import LGMD2
+from lgmd2jax._network.networks import NETWORKS
 from lgmd2jax._network.parameter_set import declared
 from lgmd2jax._network.structure import structure_fields, structure_of
 from lgmd2jax._network.thresholds import Hard

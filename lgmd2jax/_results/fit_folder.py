@@ -13,10 +13,12 @@ from lgmd2jax._files.catalogue import locate
 from lgmd2jax._files.folder import replaced_folder
 from lgmd2jax._handover.model_file import load, save
 from lgmd2jax._reports.section import as_html
-from lgmd2jax._results.fit_json import content_of, fit_of, plain
+from lgmd2jax._results.fit_json import content_of, fit_of, observation_of, plain
 from lgmd2jax._results.posterior_nc import write_posterior
+from lgmd2jax._targets.observation import Observation
 from lgmd2jax._words import warn_renamed
 from lgmd2jax.fitting import Curve, Fit, Posterior, Supplement
+from lgmd2jax.fitting._curve import rest_of
 
 MARKER = "fit.json"
 OWN = (
@@ -93,8 +95,9 @@ def load_validated_fit(folder: str | Path) -> tuple[Fit, dict[str, float]]:
     folder = fit_folder(folder)
     try:
         content = json.loads((folder / MARKER).read_text(encoding="utf-8"))
-        fit = fit_of(content, load(folder / "model.json"), _read_curves(folder / "curves.csv"))
+        curves = _read_curves(folder / "curves.csv", observation_of(content))
         left_out = content["leave_one_out_r2"].items()
+        fit = fit_of(content, load(folder / "model.json"), curves)
         return fit, {name: math.nan if r2 is None else r2 for name, r2 in left_out}
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise ValueError(f"{folder} holds no fit that can be used: {error}") from error
@@ -118,20 +121,41 @@ def fit_folder(folder: str | Path) -> Path:
 def _write_curves(path: Path, curves: tuple[Curve, ...]) -> None:
     with open(path, "w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
-        writer.writerow(["condition", "channel", "time_ms", *_COLUMNS])
+        bands = ["upper"] if any(curve.is_band for curve in curves) else []
+        writer.writerow(["condition", "channel", "time_ms", *_COLUMNS, *bands])
         for curve in curves:
-            for row in zip(curve.time, *(getattr(curve, name) for name in _COLUMNS), strict=True):
+            columns = [getattr(curve, name) for name in _COLUMNS]
+            if bands:
+                columns.append(np.full(len(curve.time), np.nan) if curve.upper is None else curve.upper)
+            for row in zip(curve.time, *columns, strict=True):
                 cells = ("" if math.isnan(value) else f"{value:.9g}" for value in row)
                 writer.writerow([curve.condition, curve.channel, *cells])
 
 
-def _read_curves(path: Path) -> tuple[Curve, ...]:
-    """A curve ends where its name changes or time goes back. An earlier version wrote no `error`."""
-    curves: list[tuple[tuple[str, str], list[list[float]]]] = []
+def _read_curves(path: Path, observation: Observation) -> tuple[Curve, ...]:
+    """A curve ends where its name changes or time goes back."""
+    curves: list[tuple[tuple[str, Channel], list[list[float]]]] = []
     with open(path, newline="", encoding="utf-8") as file:
-        for condition, channel, *cells in list(csv.reader(file))[1:]:
+        (_, _, _, *columns), *lines = csv.reader(file)
+        for condition, channel, *cells in lines:
             row = [float(cell) if cell else math.nan for cell in cells]
             if not curves or curves[-1][0] != (condition, channel) or row[0] <= curves[-1][1][-1][0]:
-                curves.append(((condition, channel), []))
-            curves[-1][1].append(row if len(row) > len(_COLUMNS) else [*row, math.nan])
-    return tuple(Curve(name[0], cast(Channel, name[1]), *np.array(rows).T) for name, rows in curves)
+                curves.append(((condition, cast(Channel, channel)), []))
+            curves[-1][1].append(row)
+    return tuple(
+        _curve(
+            condition,
+            channel,
+            rest_of(channel, observation),
+            dict(zip(("time", *columns), np.array(rows).T, strict=True)),
+        )
+        for (condition, channel), rows in curves
+    )
+
+
+def _curve(condition: str, channel: Channel, rest: float, columns: dict[str, np.ndarray]) -> Curve:
+    """The curve. The column of upper edges is empty beside what is no band; an earlier version wrote no errors."""
+    nothing = np.full(len(columns["time"]), np.nan)
+    columns = {"error": nothing, "upper": nothing} | columns
+    upper = columns.pop("upper")
+    return Curve(condition, channel, **columns, rest=rest, upper=None if np.isnan(upper).all() else upper)

@@ -50,7 +50,7 @@ class Comparison:
     - `names`: of the fits. `curves`: the condition and the channel of each target.
     - `free`: how many parameters each fit has free. `samples`: how many independent ones the targets hold.
     - `chi2`: of each curve, in standard errors, of independent samples. `r2`: NaN for a target that does not vary.
-    - `chi2_of_means`: of each curve, were the model the target's own mean.
+    - `chi2_of_means`: of each curve, were the model the target's own mean; NaN for a band.
     - `aic`, `bic`: as in lmfit; NaN unless all targets are recordings whose correlation in time is known, for the
       reason in `without_criteria`.
     - `parameters`: by name the estimate of each fit, None where it acts on nothing; all that are free in any.
@@ -78,8 +78,10 @@ class Comparison:
 
     @property
     def r2_in_all(self) -> Float[np.ndarray, " fit"]:
-        """1 - chi2/(chi2 of each target's own mean): targets of any unit, weighed by their errors."""
-        return 1 - self.chi2_in_all / self.chi2_of_means.sum()
+        """1 - chi2/(chi2 of each target's own mean): targets of any unit, weighed by their errors; bands left out."""
+        explains = np.isfinite(self.chi2_of_means)
+        with np.errstate(invalid="ignore"):
+            return 1 - self.chi2[:, explains].sum(axis=1) / self.chi2_of_means[explains].sum()
 
     @property
     def left_out_in_mean(self) -> Float[np.ndarray, " fit"]:
@@ -256,7 +258,7 @@ def _difference(first_name: str, first: Fit, name: str, fit: Fit) -> str:
     if keys[0] != keys[1]:
         return "their targets are in another order"
     for mine, theirs in zip(first.curves, fit.curves, strict=True):
-        for field in ("time", "target", "weight", "error"):
+        for field in ("time", "target", "high", "weight", "error"):
             pair = getattr(mine, field), getattr(theirs, field)
             unknown = field == "error" and any(np.isnan(values).all() for values in pair)
             if not unknown and not _same(*pair):
@@ -271,7 +273,7 @@ def _difference(first_name: str, first: Fit, name: str, fit: Fit) -> str:
 def _same(one: np.ndarray, other: np.ndarray) -> bool:
     if one.shape != other.shape:
         return False
-    scale = np.nanmax(np.abs(one), initial=1e-12)
+    scale = np.abs(one[np.isfinite(one)]).max(initial=1e-12)
     return bool(np.allclose(one, other, rtol=_SAME, atol=_SAME * scale, equal_nan=True))
 
 

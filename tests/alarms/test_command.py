@@ -59,7 +59,7 @@ def place(tmp_path_factory):
     write_video(place / "own.mkv", list(noise(30)))
     (place / "own.toml").write_text(PROTOCOL.split("[rendered]")[0] + '[[clip]]\nfile = "own.mkv"\n')
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("lgmd2jax.alarms._decoding.user_cache_path", lambda name: place / name)
+        patch.setattr("lgmd2jax.alarms._decoding.cache_folder", lambda: place / "lgmd2jax")
         assert not main(["fit", str(place / "mine.toml"), "--clips", str(place / "own.toml")])
     return place
 
@@ -106,10 +106,10 @@ def test_the_handed_over_model_alarms_as_the_report_says(place):
 @pytest.mark.parametrize(
     ("recipe", "message"),
     [
-        (RECIPE.replace("seed = 9", "seed = 2"), "validation has the seed 2 of the clips that are fitted"),
-        (RECIPE.replace("[solver]", "[solver]\nloss = 'huber'"), "unknown key 'loss'"),
-        (RECIPE.replace("clips.toml", "looming"), "unknown key 'condition'"),
-        (RECIPE.replace("k = {", "kk = {"), "free parameter is 'kk'"),
+        (RECIPE.replace("seed = 9", "seed = 2"), "validation.seed = 2: is that of the clips that are fitted"),
+        (RECIPE.replace("[solver]", "[solver]\nloss = 'huber'"), "solver.loss = 'huber': unknown key"),
+        (RECIPE.replace("clips.toml", "looming"), "condition = [{"),
+        (RECIPE.replace("k = {", "kk = {"), "free.kk = {"),
     ],
 )
 def test_a_recipe_that_is_none_says_why_in_one_line(place, recipe, message, capsys):

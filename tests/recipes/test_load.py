@@ -64,7 +64,9 @@ def test_a_recipe_of_a_sweep_makes_what_sweep_makes(folder):
 @pytest.mark.parametrize("kind", ['"sweeps"', "3", "[1]"])
 def test_another_kind_is_refused(folder, kind, untyped):
     (folder / "bad.toml").write_text(f"kind = {kind}\n" + FIT)
-    with pytest.raises(ValueError, match=r"bad.toml: kind is .*; choose 'sweep' or|bad.toml: kind is .*; choose"):
+    with pytest.raises(
+        ValueError, match=r"bad\.toml: kind = .*: choose 'sweep' or|bad\.toml: kind = (3|\[1\]): choose '"
+    ):
         lgmd.load_recipe(folder / "bad.toml")
     with pytest.raises(ValueError, match="a fit to labelled clips has kind 'alarms'"):
         lgmd.alarms.load_recipe(folder / "fit.toml")
@@ -137,7 +139,7 @@ def test_what_is_no_condition_is_refused(wrong, message, untyped):
     ("family", "parameters", "message"),
     [
         ("loming", {}, "family is 'loming'; choose 'looming' or"),
-        ("looming", {"contrst": -1.0}, "condition 'c': unknown key 'contrst'; did you mean 'contrast'?"),
+        ("looming", {"contrst": -1.0}, "condition 'c': contrst: unknown key; did you mean 'contrast'"),
     ],
 )
 def test_a_condition_says_at_once_what_is_wrong(family, parameters, message):
@@ -161,5 +163,5 @@ def test_a_recipe_names_its_network_and_its_mechanisms(folder):
     assert isinstance(recipe.model, lgmd.LGMD2)
     assert recipe.model.mechanisms == ("size", "shunt")
     (folder / "none.toml").write_text('network = "LGMD3"\n' + FIT)
-    with pytest.raises(ValueError, match="network is 'LGMD3'; choose 'LGMD2' or"):
+    with pytest.raises(ValueError, match=r"none\.toml: network = 'LGMD3': choose 'LGMD2' or"):
         lgmd.load_recipe(folder / "none.toml")
