@@ -65,7 +65,7 @@ class SweepRecipe:
         swept = {"T_sp", "sigma_sp"} & set(self.parameters)
         if self.value != "peak" or self.index is not None or swept or not isinstance(self.model, AbstractNetwork):
             return {}
-        return self.model.parameters.levels.by_count
+        return self.model.levels.by_count
 
 
 def sweep_recipe(path: Path, table: dict[str, Any]) -> SweepRecipe:
