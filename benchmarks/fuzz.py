@@ -269,7 +269,7 @@ def picture_kinds(folder: Path) -> list[Kind]:
 
 def _read_pictures(path: Path) -> None:
     moving = path.suffix in (".gif", ".mkv", ".mp4", ".avi")
-    open_clip(path if moving else path.parent, fps=30.0, resize=8).record(drop_duplicates=True)
+    open_clip(path if moving else path.parent, fps=30.0, resize=8).record(True)
 
 
 class FaultError(AssertionError):

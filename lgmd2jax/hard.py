@@ -22,6 +22,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
@@ -146,6 +147,8 @@ class HardLGMD2:
         **Raises:** `ValueError` for a frame of the wrong shape or not finite, and for an interval that is not positive;
         the state stays as it was.
         """
+        if isinstance(frame, np.ma.MaskedArray):
+            raise ValueError("frame is masked; fill what is masked with a grey level first: frame.filled(128)")
         try:
             frame = np.array(
                 frame, dtype=float
@@ -279,6 +282,8 @@ def read(path) -> dict:
 
     **Raises:** as `load`.
     """
+    if os.path.isdir(path):
+        raise IsADirectoryError(f"{path} is a folder; give a file")
     try:
         with open(path, encoding="utf-8") as file:
             content = json.load(file)

@@ -53,6 +53,8 @@ def read_json(path: Path) -> Any:
 
     **Raises:** `ValueError` that names the file, for what is not JSON; `OSError` where it cannot be read.
     """
+    if path.is_dir():
+        raise IsADirectoryError(f"{path} is a folder; give a file")
     try:
         return json.loads(path.read_text(encoding="utf-8"))
     except (ValueError, RecursionError) as error:

@@ -35,8 +35,7 @@ OWN = (
     "posterior.nc",
 )
 _STATISTICS = ("energy", "diverging", "acceptance_rate", "tree_depth")
-_COLUMNS = ("target", "sem", "weight", "soft", "hard", "band")
-_HEADER = ["condition", "channel", "time_ms", *_COLUMNS]
+_COLUMNS = ("target", "sem", "weight", "soft", "hard", "band", "error")
 
 
 def save_fit(
@@ -85,22 +84,36 @@ def save_fit(
 
 
 def load_fit(folder: str | Path) -> Fit:
-    """The fit of a result folder, or of a shipped one by its bare name. It predicts; it does not hold the targets.
+    """The fit of a result folder or of its fit.json, or of a shipped one by its bare name.
+
+    It predicts; it does not hold the targets.
 
     **Raises:** `ValueError` for a folder that holds no fit, `FileNotFoundError` where there is none.
     """
-    folder = _folder(folder)
+    return load_validated_fit(folder)[0]
+
+
+def load_validated_fit(folder: str | Path) -> tuple[Fit, dict[str, float]]:
+    """The fit of `load_fit`, and R2 of each condition that was left out, predicted by a fit to others; {} for none."""
+    folder = fit_folder(folder)
     content = read_json(folder / MARKER)
     with within(f"{folder} holds no fit that can be used"):
         with within(MARKER):
             check(FIT, content)
         with within("curves.csv"):
             curves = _read_curves(folder / "curves.csv", Observation(**content["observation"]))
-        return fit_of(content, load(folder / "model.json"), curves)
+        fit = fit_of(content, load(folder / "model.json"), curves)
+        return fit, {name: math.nan if r2 is None else r2 for name, r2 in content["leave_one_out_r2"].items()}
 
 
-def _folder(folder: str | Path) -> Path:
+def fit_folder(folder: str | Path) -> Path:
+    """The folder of a fit that a path or a bare name stands for.
+
+    **Raises:** `ValueError` for a folder that holds no fit, `FileNotFoundError` where there is none.
+    """
     path = Path(folder)
+    if path.name == MARKER and path.is_file():
+        return path.parent
     if path.is_dir():
         if not (path / MARKER).is_file():
             raise ValueError(f"{path} holds no fit: there is no {MARKER}")
@@ -112,7 +125,7 @@ def _write_curves(path: Path, curves: tuple[Curve, ...]) -> None:
     with open(path, "w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         bands = ["upper"] if any(curve.is_band for curve in curves) else []
-        writer.writerow([*_HEADER, *bands])
+        writer.writerow(["condition", "channel", "time_ms", *_COLUMNS, *bands])
         for curve in curves:
             columns = [getattr(curve, name) for name in _COLUMNS]
             if bands:
@@ -126,17 +139,13 @@ def _read_curves(path: Path, observation: Observation) -> tuple[Curve, ...]:
     """A curve ends where its name changes or time goes back."""
     rows = _rows(path)
     check(ROWS, rows)
-    curves: list[tuple[tuple[str, Channel], list[list[float]]]] = []
+    curves: list[tuple[tuple[str, Channel], list[dict[str, Any]]]] = []
     for row in rows:
-        name, numbers = (row.pop("condition"), row.pop("channel")), list(row.values())
-        numbers = [math.nan if number is None else number for number in numbers]
-        if not curves or curves[-1][0] != name or numbers[0] <= curves[-1][1][-1][0]:
+        name, time = (row.pop("condition"), row.pop("channel")), row["time_ms"]
+        if not curves or curves[-1][0] != name or time <= curves[-1][1][-1]["time_ms"]:
             curves.append((name, []))
-        curves[-1][1].append(numbers)
-    return tuple(
-        _curve(condition, channel, rest_of(channel, observation), *np.array(rows).T)
-        for (condition, channel), rows in curves
-    )
+        curves[-1][1].append(row)
+    return tuple(_curve(*name, rest_of(name[1], observation), rows) for name, rows in curves)
 
 
 def _rows(path: Path) -> list[dict[str, Any]]:
@@ -146,8 +155,8 @@ def _rows(path: Path) -> list[dict[str, Any]]:
             header, *lines = list(csv.reader(file, strict=True)) or [[]]
     except (csv.Error, UnicodeDecodeError) as error:
         raise ValueError(f"it is no table of comma-separated values: {error}") from error
-    if header[: len(_HEADER)] != _HEADER or header[len(_HEADER) :] not in ([], ["upper"]):
-        raise ValueError(f"its header is {','.join(header):.80}; it must be {','.join(_HEADER)}")
+    if len(set(header)) < len(header):
+        raise ValueError(f"its header names a column twice: {','.join(header):.80}")
     for number, cells in enumerate(lines):
         if len(cells) != len(header):
             raise ValueError(f"[{number}] has {len(cells)} cells and the header {len(header)}")
@@ -163,8 +172,11 @@ def _cell(name: str, text: str) -> Any:
         return text  # which the schema refuses
 
 
-def _curve(condition: str, channel: Channel, rest: float, *columns: np.ndarray) -> Curve:
-    """The curve; the column of upper edges is empty beside a target that is no band."""
-    plain_columns, (*upper,) = columns[: 1 + len(_COLUMNS)], columns[1 + len(_COLUMNS) :]
-    is_band = bool(upper) and not np.isnan(upper[0]).all()
-    return Curve(condition, channel, *plain_columns, rest=rest, upper=upper[0] if is_band else None)
+def _curve(condition: str, channel: Channel, rest: float, rows: list[dict[str, Any]]) -> Curve:
+    """The curve. The column of upper edges is empty beside what is no band; an earlier version wrote no errors."""
+    columns = {
+        name: np.array([math.nan if (value := row.get(name)) is None else value for row in rows])
+        for name in ("time_ms", *_COLUMNS, "upper")
+    }
+    time, upper = columns.pop("time_ms"), columns.pop("upper")
+    return Curve(condition, channel, time, **columns, rest=rest, upper=None if np.isnan(upper).all() else upper)

@@ -85,6 +85,7 @@ _FIT = {
     "z": list[Number],
     "uncertainty": table("Uncertainty", _complete(_UNCERTAINTY)),
     "curved": list[Text],
+    "leave_one_out_r2": dict[Text, _NULLABLE],
     "errors": dict[Text, _NULLABLE],
     "stats": dict[Text, Any],
     "runs": list[table("Run", _complete(_RUN))],
@@ -95,4 +96,5 @@ FIT = TypeAdapter(table("Fit", _complete(_FIT), OpenTable))
 _END = either(is_null, {"null": type(None), "value": OpenEnd})
 _ROW = {"condition": Text, "channel": names(TARGETS), "time_ms": Number}
 _ROW |= {"target": _END, "sem": _NULLABLE, "weight": Number, "soft": _NULLABLE, "hard": _NULLABLE, "band": _NULLABLE}
-ROWS = TypeAdapter(Annotated[list[table("Row", _complete(_ROW) | {"upper": _END})], Field(min_length=1)])
+_ROW_TABLE = table("Row", _complete(_ROW) | {"error": _NULLABLE, "upper": _END})
+ROWS = TypeAdapter(Annotated[list[_ROW_TABLE], Field(min_length=1)])
