@@ -26,13 +26,15 @@ class Work:
 
     After Ctrl-C `stop` is set, tasks that have not begun are dropped, and the results that there are are returned. If
     there are none at all, the `KeyboardInterrupt` goes on.
+
+    **Arguments:** `total`: how many tasks there are in all, for the one bar of all of them.
     """
 
-    def __init__(self, memory: Memory, progress: bool, client: "Client | None" = None):
+    def __init__(self, memory: Memory, progress: bool, client: "Client | None" = None, *, total: int | None = None):
         self.memory, self.stop, self.best = memory, threading.Event(), float("inf")
         self.client = None if client is None else checked_client(client)
         self._results = 0
-        self._bar = tqdm(disable=not progress, unit="start", leave=False)
+        self._bar = tqdm(total=total, disable=not progress, unit="start", leave=False)
 
     def __enter__(self):
         return self
@@ -51,7 +53,6 @@ class Work:
         numbers = list(numbers)
         results = {i: self.memory[f"{kind} {i}"] for i in numbers if f"{kind} {i}" in self.memory}
         self._results += len(results)
-        self._bar.reset(total=len(numbers))
         self._bar.set_description(kind)
         self._bar.update(len(results))
 

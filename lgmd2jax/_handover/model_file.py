@@ -96,12 +96,12 @@ def load(path: str | os.PathLike, network: type[AbstractNetwork] | None = None) 
 
 
 def as_lgmd2(model: AbstractNetwork) -> LGMD2:
-    """The model, where `hard.py` can run it.
+    """The model, where a robot's program can run it.
 
     **Raises:** `ValueError` for another than an `LGMD2`.
     """
     if not isinstance(model, LGMD2):
-        raise ValueError(f"the model is a {type(model).__name__}; hard.py runs the LGMD2 alone")
+        raise ValueError(f"the model is a {type(model).__name__}; hard.py and the C run the LGMD2 alone")
     return model
 
 

@@ -1,12 +1,12 @@
 """The keyword arguments of a renderer, made from a table whose form is checked."""
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from lgmd2jax._schemas.keywords import keywords
-from lgmd2jax._words import nearest, within
+from lgmd2jax._words import within
 from lgmd2jax.stimuli import BACKGROUNDS, DISTANCES
+from lgmd2jax.stimuli._keywords import keywords
 from lgmd2jax.stimuli._units import parts_of
 
 _KINDS = {**BACKGROUNDS, **DISTANCES}
@@ -22,13 +22,6 @@ def arguments(callee: Callable, table: Mapping[str, Any], folder: Path) -> dict[
     """
     known = keywords(callee)
     return {key: _value(key, value, known[key].annotation, folder) for key, value in table.items()}
-
-
-def check_keys(table: Mapping[str, Any], known: Collection[str]) -> None:
-    """Raise `ValueError` for the first key that is not known, with the nearest that is."""
-    for key in table:
-        if key not in known:
-            raise ValueError(f"{key}: unknown key; did you mean {nearest(key, known, 1)}?")
 
 
 def located(path: str, folder: Path) -> str:

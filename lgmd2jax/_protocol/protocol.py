@@ -1,4 +1,4 @@
-"""A protocol: the conditions of an experiment, read from a TOML file, each a stimulus that can be rendered."""
+"""A protocol, read from a TOML file: grids expanded, placeholders filled, targets read."""
 
 import dataclasses
 from collections import Counter
@@ -6,71 +6,19 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import jax
-
 from lgmd2jax._eye import Eye
 from lgmd2jax._files.catalogue import read_named
-from lgmd2jax._protocol.arguments import arguments, check_keys
+from lgmd2jax._protocol.arguments import arguments
+from lgmd2jax._protocol.condition import Condition, Protocol
 from lgmd2jax._protocol.placeholders import expand, fill
 from lgmd2jax._protocol.target_table import target
 from lgmd2jax._schemas.check import check
-from lgmd2jax._schemas.keywords import keywords
 from lgmd2jax._schemas.protocol import PROTOCOL
-from lgmd2jax._targets.target import AnyTarget
-from lgmd2jax._words import nearest, within
-from lgmd2jax.stimuli import FAMILIES, Stimulus, camera
+from lgmd2jax._words import within
+from lgmd2jax.stimuli import FAMILIES, camera
+from lgmd2jax.stimuli._keywords import check_keywords, keywords
 
 _CONDITION_KEYS = ("name", "family", "eye", "camera", "target")
-
-
-@dataclasses.dataclass(frozen=True)
-class Condition:
-    """One stimulus of a protocol.
-
-    **Arguments:**
-
-    - `name`: unique in its protocol.
-    - `eye`: the sampling that it is rendered for.
-    - `family`: the name of a renderer in `lgmd2jax.stimuli.FAMILIES`.
-    - `parameters`: the renderer's keyword arguments; what is left out has the family's own default.
-    - `camera`: what films the stimulus, as keyword arguments of `lgmd2jax.stimuli.camera` and a `seed`; None for none.
-    - `targets`: the curves that a fit compares with: a `Target`, or what becomes one on the stimulus.
-
-    **Raises:** `ValueError` for a family that there is not, and for a parameter that it does not take.
-    """
-
-    name: str
-    eye: Eye
-    family: str
-    parameters: Mapping[str, Any]
-    camera: Mapping[str, Any] | None = None
-    targets: tuple[AnyTarget, ...] = ()
-
-    def __post_init__(self):
-        if self.family not in FAMILIES:
-            raise ValueError(f"family is {self.family!r}; choose {nearest(self.family, FAMILIES)}")
-        with within(f"condition {self.name!r}"):
-            check_keys(self.parameters, keywords(FAMILIES[self.family]))
-
-    def render(self) -> Stimulus:
-        """The stimulus, under the name of the condition.
-
-        **Raises:** `ValueError` that names the condition, where its parameters do not make a stimulus.
-        """
-        with within(f"condition {self.name!r}"):
-            stimulus = FAMILIES[self.family](self.eye, **self.parameters)
-            if self.camera is not None:
-                settings = dict(self.camera)
-                stimulus = camera(stimulus, jax.random.key(settings.pop("seed", 0)), **settings)
-        return dataclasses.replace(stimulus, name=self.name)
-
-
-@dataclasses.dataclass(frozen=True)
-class Protocol:
-    """The conditions of an experiment, in the order of their file, grids expanded."""
-
-    name: str
-    conditions: tuple[Condition, ...]
 
 
 def load_protocol(source: str | Path) -> Protocol:
@@ -145,7 +93,7 @@ def _condition(
     family = point["family"]
     known = keywords(FAMILIES[family])
     with within(place):
-        check_keys(point, [*known, *_CONDITION_KEYS])  # where families are an axis, one may not take what another does
+        check_keywords(FAMILIES[family], point, *_CONDITION_KEYS)  # of several families, one takes what others do not
         written = {key: value for key, value in point.items() if key in known}
         eye = eye_of(point["eye"])
         values = {name: keyword.default for name, keyword in known.items()} | dataclasses.asdict(eye) | point

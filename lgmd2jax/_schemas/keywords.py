@@ -10,6 +10,7 @@ from pydantic import Field
 
 from lgmd2jax._schemas.parts import Number, Table, Text, Truth, Whole, by_key, either, is_list, names, table
 from lgmd2jax.stimuli import BACKGROUNDS, DISTANCES
+from lgmd2jax.stimuli._keywords import keywords
 from lgmd2jax.stimuli._units import Unit, parts_of
 
 _OBJECTS = (BACKGROUNDS, DISTANCES)
@@ -19,16 +20,6 @@ Wrap = Callable[[Any], Any]
 def alone(kind: Any) -> Any:
     """A value that is no axis."""
     return kind
-
-
-def keywords(callee: Callable) -> dict[str, inspect.Parameter]:
-    """The keywords that a function takes, or the fields of a class, by name."""
-    every = inspect.signature(callee).parameters.items()
-    return {
-        name: parameter
-        for name, parameter in every
-        if parameter.kind is parameter.KEYWORD_ONLY or inspect.isclass(callee)
-    }
 
 
 def fields_of(callee: Any, wrap: Wrap = alone, deep: Wrap = alone) -> dict[str, Any]:

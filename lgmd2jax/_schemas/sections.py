@@ -65,10 +65,13 @@ def described(symbol: Symbol, default: Any = None) -> Any:
 
 def structure(kind: type[AbstractNetwork]) -> type[Table]:
     """What is compiled into a network."""
-    return table(f"{kind.__name__}_structure", {name: _one(field) for name, field in structure_fields(kind).items()})
+    return table(
+        f"{kind.__name__}_structure", {name: structure_kind(field) for name, field in structure_fields(kind).items()}
+    )
 
 
-def _one(field: Structure) -> Any:
+def structure_kind(field: Structure) -> Any:
+    """What stands in a document for a structural field."""
     if field.several:
         return list[names(field.choices)]
     if field.least is None:

@@ -73,8 +73,19 @@ class Store:
             )
 
     def missing(self) -> list[int]:
-        """The blocks that are still to be computed."""
-        return np.flatnonzero(~self._group("r")[_DONE][:]).tolist()
+        """The blocks that are still to be computed, those among them of which a chunk was lost."""
+        group = self._group("r")
+        done = group[_DONE][:]
+        return [number for number in self._plan.numbers() if not done[number] or self._lost(group, number)]
+
+    def _lost(self, group: Any, number: int) -> bool:
+        """Whether a file of a marked block is gone; what is read in its place would be NaN."""
+        place = np.unravel_index(number, self._plan.blocks) if self._plan.blocks else ()
+        for name, (shape, _) in self._plan.variables.items():
+            key = group[name].metadata.encode_chunk_key((*map(int, place), *(0 for _ in shape)))
+            if not (self._path / name / key).is_file():
+                return True
+        return False
 
     def write(self, number: int, results: dict[str, np.ndarray]) -> None:
         """Write the results of a block.
@@ -135,9 +146,12 @@ class Store:
 
 def _write(group: Any, number: int, region: Region, results: dict[str, np.ndarray]) -> None:
     """The mark comes last: what a kill leaves without one is computed again."""
-    for name, values in results.items():
-        group[name][region] = values
-    group[_DONE][number] = True
+    import zarr
+
+    with zarr.config.set({"array.write_empty_chunks": True}):  # else a block of NaN leaves no file, and looks lost
+        for name, values in results.items():
+            group[name][region] = values
+        group[_DONE][number] = True
 
 
 def _dimensions(plan: Plan, name: str) -> list[str]:

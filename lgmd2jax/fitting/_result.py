@@ -12,7 +12,7 @@ from lgmd2jax._channels import Channel
 from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.parameters import ParameterSet
 from lgmd2jax._network.thresholds import Hard
-from lgmd2jax._protocol.protocol import Condition
+from lgmd2jax._protocol.condition import Condition
 from lgmd2jax._reports.section import Section, as_html, as_text
 from lgmd2jax._targets.observation import Observation, observation_symbols
 from lgmd2jax._targets.target import Target

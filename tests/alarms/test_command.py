@@ -15,6 +15,7 @@ from lgmd2jax._figures.alarms import clips_figure
 from lgmd2jax.alarms import Rendering, evaluate, load_labels
 from lgmd2jax.alarms._starts import AlarmStarts
 from lgmd2jax.cli import main
+from lgmd2jax.cli.fit_alarms import _held_out_scores
 from tests.videos import noise, write_video
 
 PROTOCOL = """
@@ -84,6 +85,21 @@ def test_the_folder(place):
     report = (place / "mine/report.txt").read_text()
     assert "Clips that the fit did not see: 2 windows" in report
     assert "Table I, T_sp 0.65" in report
+
+
+def test_the_paper_is_scored_with_its_own_structure(place, monkeypatch):
+    """Eq. 17 of Table I looks back by 4 frames, whatever the recipe's model does."""
+    judged = []
+    monkeypatch.setattr(
+        "lgmd2jax.cli.fit_alarms.evaluate", lambda model, clips: judged.append(model) or evaluate(model, clips)
+    )
+    recipe = lgmd.alarms.load_recipe(place / "mine.toml")
+    fitted = dataclasses.replace(recipe.model, N_ts=6)
+    scores = _held_out_scores(recipe, fitted)
+    assert list(scores.scores) == ["fitted", "Table I, T_sp 0.78", "Table I, T_sp 0.65"]
+    assert [model.N_ts for model in judged] == [6, 4, 4]
+    assert [float(model.parameters.T_sp) for model in judged[1:]] == pytest.approx([0.78, 0.65])
+    assert [float(model.parameters.N_sp) for model in judged[1:]] == [lgmd.preset("lgmd2").N_sp] * 2
 
 
 def test_the_handed_over_model_alarms_as_the_report_says(place):

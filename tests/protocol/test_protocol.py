@@ -10,7 +10,8 @@ import pytest
 
 from lgmd2jax import stimuli
 from lgmd2jax._eye import Eye
-from lgmd2jax._protocol.protocol import Condition, load_protocol
+from lgmd2jax._protocol.condition import Condition
+from lgmd2jax._protocol.protocol import load_protocol
 
 EYE = Eye(rows=12, cols=16, degrees_per_pixel=6.0, fps=50.0)
 
