@@ -121,6 +121,17 @@ class Eye:
         height, width = (2 * math.degrees(math.atan(size / 2 / self.focal_px)) for size in (self.rows, self.cols))
         return height, width
 
+    @property
+    def field_area(self) -> float:
+        """What is seen, in square degrees, each pixel as large as the central one.
+
+        So an object in the middle of the field, of an angular size, takes the same share of the pixels in each
+        projection.
+
+        **Raises:** `ValueError` for an eye that is known in pixels alone.
+        """
+        return self.rows * self.cols * self._degrees_per_pixel**2
+
     def project(self, degrees: ScalarLike | Float[Array, " time"]) -> Array:
         """Distance from the image's centre, in pixels, of what is seen `degrees` off the axis.
 

@@ -41,7 +41,7 @@ class AbstractNetwork(eqx.Module):
     `LGMD2` and `YueRindLGMD1` are two. One of your own is a subclass with these fields and properties:
 
     - `parameters`: of a `ParameterSet` of its own, whose fields declare unit, domain, bounds, stage and what becomes of
-      them at another frame rate.
+      them at another frame rate and in another field of view.
     - `thresholds`: `Hard()`, `Soft(temperature)` or `StraightThrough(temperature)`.
     - `eye`: the sampling that the parameters belong to, or None.
     - `pixels`, `cell`: the stages, an `AbstractPixels` and an `AbstractCell`, made from the fields.
@@ -111,6 +111,19 @@ class AbstractNetwork(eqx.Module):
             name: field.at_interval(getattr(self, name), ratio) for name, field in structure_fields(type(self)).items()
         }
         return dataclasses.replace(self, parameters=dataclasses.replace(self.parameters, **changes), **structure)
+
+    def in_field(self, ratio: float):
+        """The network for a field of view of `ratio` times the area: by what parameters declare."""
+        changes = {
+            name: symbol.in_field(getattr(self.parameters, name), ratio)
+            for name, symbol in declared(type(self.parameters)).items()
+        }
+        return dataclasses.replace(self, parameters=dataclasses.replace(self.parameters, **changes))
+
+    def __hash__(self):
+        """By value, as equality is, so that `jax.jit(model)` compiles once for equal models."""
+        leaves, structure = jax.tree.flatten(self)
+        return hash((structure, *(np.asarray(leaf).tobytes() for leaf in leaves)))
 
     def __check_init__(self):
         kinds = {"parameters": (parameters_of(type(self)),), "thresholds": (Thresholds,), "eye": (Eye, type(None))}

@@ -41,6 +41,8 @@ class Symbol:
     - `per_frame`: what becomes of it at another frame rate. `"change"`: it is compared with a change in a frame and
       goes with the time that a frame lasts; `"share"`: that much is left after a frame; `"persistence"`:
       1/(1 + exp(u)) is left, where it acts over one frame; `"count"`: it counts in frames.
+    - `of_field`: whether it is compared with a mean over the field of view, of which an object of one size is a smaller
+      share where the field is larger.
     - `mechanism`: the optional mechanism that it belongs to; None for what the network always has.
     """
 
@@ -52,6 +54,7 @@ class Symbol:
     scale: Literal["linear", "log"] = "linear"
     stage: Stage = "cell"
     per_frame: Rule = "as it is"
+    of_field: bool = False
     mechanism: str | None = None
 
     @property
@@ -70,6 +73,10 @@ class Symbol:
     def at_interval(self, value, ratio: float):
         """The value for frames that last `ratio` times as long, within the domain."""
         return jnp.clip(_RULES[self.per_frame](value, ratio), *self.limits)
+
+    def in_field(self, value, ratio: float):
+        """The value for a field of view of `ratio` times the area, within the domain."""
+        return jnp.clip(value / ratio, *self.limits) if self.of_field else value
 
 
 def scalar(value) -> Array:
@@ -92,10 +99,11 @@ def declares(
     *,
     stage: Stage = "cell",
     per_frame: Rule = "as it is",
+    of_field: bool = False,
     mechanism: str | None = None,
 ):
     """The metadata of a field that is a parameter, for `equinox.field`."""
-    return {"symbol": Symbol(meaning, unit, domain, bounds, source, scale, stage, per_frame, mechanism)}
+    return {"symbol": Symbol(meaning, unit, domain, bounds, source, scale, stage, per_frame, of_field, mechanism)}
 
 
 class ParameterSet(eqx.Module):

@@ -107,6 +107,7 @@ class Parameters(ParameterSet):
             (1.0, 60.0),
             scale="log",
             per_frame="change",
+            of_field=True,
         ),
     )
     T_sfa: Float[Array, ""] = eqx.field(
@@ -139,6 +140,7 @@ class Parameters(ParameterSet):
             (0.1, 2.0),
             scale="log",
             per_frame="change",
+            of_field=True,
         ),
     )
     u: Float[Array, ""] = eqx.field(
@@ -203,6 +205,7 @@ class Parameters(ParameterSet):
             (0.005, 0.5),
             _SIZE,
             scale="log",
+            of_field=True,
             mechanism="size",
         ),
     )

@@ -111,6 +111,7 @@ class YueRindParameters(ParameterSet):
             _SOURCE,
             "log",
             per_frame="change",
+            of_field=True,
         ),
     )
     alpha_ffi: Float[Array, ""] = eqx.field(
@@ -129,6 +130,7 @@ class YueRindParameters(ParameterSet):
             _PRIOR,
             "log",
             per_frame="change",
+            of_field=True,
         ),
     )
     T_sp: Float[Array, ""] = eqx.field(

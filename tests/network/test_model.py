@@ -32,6 +32,18 @@ def test_integers_are_cast_before_they_are_subtracted():
     np.testing.assert_array_equal(model(frames.astype(np.uint8), 30.0).smp, model(frames, 30.0).smp)
 
 
+def test_the_model_itself_may_be_jitted():
+    """A model hashes by value, as it is equal by value: to jit an equal one compiles nothing."""
+    model = lgmd.LGMD2()
+    jitted = jax.jit(model)
+    np.testing.assert_array_equal(jitted(FRAMES, 30.0).smp, model(FRAMES, 30.0).smp)
+    assert hash(lgmd.LGMD2()) == hash(model)
+    assert hash(lgmd.LGMD2(lgmd.Parameters(k=0.3))) != hash(model)
+    assert hash(lgmd.LGMD2(N_ts=3)) != hash(model)
+    changed = lgmd.LGMD2(lgmd.Parameters(k=0.3))
+    np.testing.assert_array_equal(jax.jit(changed)(FRAMES, 30.0).smp, changed(FRAMES, 30.0).smp)
+
+
 def test_compiles_once_for_a_shape():
     traces = []
 
