@@ -5,7 +5,7 @@ import hashlib
 import json
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import jax
 import numpy as np
@@ -13,9 +13,11 @@ import numpy as np
 from lgmd2jax._characterise import characterise
 from lgmd2jax._files.catalogue import beside
 from lgmd2jax._network.abstract import AbstractNetwork
+from lgmd2jax._network.lgmd2 import LGMD2
+from lgmd2jax._network.parameters import symbols
 from lgmd2jax._protocol.protocol import load_protocol
 from lgmd2jax._targets.observation import Observation
-from lgmd2jax._words import nearest
+from lgmd2jax._words import nearest, within
 from lgmd2jax.fitting import Fit, Free, fit
 from lgmd2jax.fitting._conditions import Rendered, render
 from lgmd2jax.fitting._law_fit import check_approaches
@@ -29,11 +31,11 @@ class Recipe:
 
     - `profile`: parameters whose interval is also found by profile likelihood.
     - `samples`: how many draws of the posterior to take; 0 for none.
-    - `leave_one_out`: whether to fit anew without each condition and to predict it.
+    - `leave_one_out`: whether to fit anew without each condition, or each `"family"` of them, and to predict it.
     - `looming_law`: whether to hold the fit against eta, fitted to the same rates.
     - `truth`: the values that are known to be right, of a twin.
     - `properties`: whether to hand over, of the candidates, the one that holds most of the 22 response properties.
-    - `table`: the file's content.
+    - `families`: of the conditions. `table`: the file's content.
     """
 
     name: str
@@ -45,10 +47,11 @@ class Recipe:
     absolute_errors: bool | None
     profile: tuple[str, ...]
     samples: int
-    leave_one_out: bool
+    leave_one_out: bool | Literal["family"]
     looming_law: bool
     truth: Mapping[str, float]
     properties: bool
+    families: tuple[str, ...]
     table: Mapping[str, Any]
 
     @property
@@ -73,8 +76,27 @@ class Recipe:
         )
 
     def predict_each(self, progress: bool = False) -> dict[str, float]:
-        """R2 of each condition by a fit to the others."""
-        return leave_one_out(lambda pairs: self.run(progress, pairs=pairs).predict, self.pairs)
+        """R2 of each condition by a fit to the others, or to those of other families."""
+        groups = self.families if self.leave_one_out == "family" else None
+        return leave_one_out(lambda pairs: self.run(progress, pairs=pairs).predict, self.pairs, groups)
+
+    def with_mechanisms(self, *mechanisms: str) -> "Recipe":
+        """The same fit of another circuit.
+
+        What acts on nothing in that circuit is no longer free; what comes into play is, within its declared bounds.
+
+        **Raises:** `ValueError` for mechanisms that do not exist, and for a network that has none.
+        """
+        if not isinstance(self.model, LGMD2):
+            raise ValueError(f"mechanisms are those of an LGMD2; the network of {self.name} is another")
+        model = dataclasses.replace(self.model, mechanisms=mechanisms)
+        free = {name: line for name, line in self.table["free"].items() if name not in model.unused}
+        free |= {name: {} for name in symbols() if name in self.model.unused - model.unused}
+        structure = self.table.get("structure", {}) | {"mechanisms": list(mechanisms)}
+        table = {**self.table, "structure": structure, "free": free}
+        profile = tuple(name for name in self.profile if name in free)
+        truth = {name: value for name, value in self.truth.items() if name in free}
+        return dataclasses.replace(self, model=model, free=free_of(table), profile=profile, truth=truth, table=table)
 
     def digest(self) -> str:
         """A digest of all that the fit sees: recipe, stimuli and targets."""
@@ -103,8 +125,9 @@ def fit_recipe(path: Path, table: dict[str, Any]) -> Recipe:
         for name in names:
             if name not in free.names:
                 raise ValueError(f"{key}: {name!r} is not free; choose {nearest(name, free.names)}")
-    protocol = load_protocol(beside(path, table["protocol"]))
-    pairs = tuple(render(protocol.conditions))
+    protocol = load_protocol(source := beside(path, table["protocol"]))
+    with within(str(source)):
+        pairs = tuple(render(protocol.conditions))
     if validation.get("looming_law", False):
         check_approaches(pairs)
     if validation.get("leave_one_out", False):
@@ -123,5 +146,6 @@ def fit_recipe(path: Path, table: dict[str, Any]) -> Recipe:
         looming_law=validation.get("looming_law", False),
         truth=truth,
         properties=table.get("choice", {}).get("properties", False),
+        families=tuple(condition.family for condition in protocol.conditions),
         table=table,
     )

@@ -4,19 +4,22 @@ import csv
 import json
 import math
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
 from lgmd2jax._channels import Channel
+from lgmd2jax._files.atomic import read_json
 from lgmd2jax._files.catalogue import locate
 from lgmd2jax._files.folder import replaced_folder
 from lgmd2jax._handover.model_file import load, save
 from lgmd2jax._reports.section import as_html
-from lgmd2jax._results.fit_json import content_of, fit_of, observation_of, plain
+from lgmd2jax._results.fit_json import content_of, fit_of, plain
 from lgmd2jax._results.posterior_nc import write_posterior
+from lgmd2jax._schemas.check import check
+from lgmd2jax._schemas.fit import FIT, ROWS
 from lgmd2jax._targets.observation import Observation
-from lgmd2jax._words import warn_renamed
+from lgmd2jax._words import warn_renamed, within
 from lgmd2jax.fitting import Curve, Fit, Posterior, Supplement
 from lgmd2jax.fitting._curve import rest_of
 
@@ -32,7 +35,7 @@ OWN = (
     "posterior.nc",
 )
 _STATISTICS = ("energy", "diverging", "acceptance_rate", "tree_depth")
-_COLUMNS = ("target", "sem", "weight", "soft", "hard", "band")
+_COLUMNS = ("target", "sem", "weight", "soft", "hard", "band", "error")
 
 
 def save_fit(
@@ -81,21 +84,36 @@ def save_fit(
 
 
 def load_fit(folder: str | Path) -> Fit:
-    """The fit of a result folder, or of a shipped one by its bare name. It predicts; it does not hold the targets.
+    """The fit of a result folder or of its fit.json, or of a shipped one by its bare name.
+
+    It predicts; it does not hold the targets.
 
     **Raises:** `ValueError` for a folder that holds no fit, `FileNotFoundError` where there is none.
     """
-    folder = _folder(folder)
-    try:
-        content = json.loads((folder / MARKER).read_text(encoding="utf-8"))
-        curves = _read_curves(folder / "curves.csv", observation_of(content))
-        return fit_of(content, load(folder / "model.json"), curves)
-    except (ValueError, KeyError, TypeError) as error:
-        raise ValueError(f"{folder} holds no fit that can be used: {error}") from error
+    return load_validated_fit(folder)[0]
 
 
-def _folder(folder: str | Path) -> Path:
+def load_validated_fit(folder: str | Path) -> tuple[Fit, dict[str, float]]:
+    """The fit of `load_fit`, and R2 of each condition that was left out, predicted by a fit to others; {} for none."""
+    folder = fit_folder(folder)
+    content = read_json(folder / MARKER)
+    with within(f"{folder} holds no fit that can be used"):
+        with within(MARKER):
+            check(FIT, content)
+        with within("curves.csv"):
+            curves = _read_curves(folder / "curves.csv", Observation(**content["observation"]))
+        fit = fit_of(content, load(folder / "model.json"), curves)
+        return fit, {name: math.nan if r2 is None else r2 for name, r2 in content["leave_one_out_r2"].items()}
+
+
+def fit_folder(folder: str | Path) -> Path:
+    """The folder of a fit that a path or a bare name stands for.
+
+    **Raises:** `ValueError` for a folder that holds no fit, `FileNotFoundError` where there is none.
+    """
     path = Path(folder)
+    if path.name == MARKER and path.is_file():
+        return path.parent
     if path.is_dir():
         if not (path / MARKER).is_file():
             raise ValueError(f"{path} holds no fit: there is no {MARKER}")
@@ -119,21 +137,46 @@ def _write_curves(path: Path, curves: tuple[Curve, ...]) -> None:
 
 def _read_curves(path: Path, observation: Observation) -> tuple[Curve, ...]:
     """A curve ends where its name changes or time goes back."""
-    curves: list[tuple[tuple[str, Channel], list[list[float]]]] = []
-    with open(path, newline="", encoding="utf-8") as file:
-        for condition, channel, *cells in list(csv.reader(file))[1:]:
-            row = [float(cell) if cell else math.nan for cell in cells]
-            if not curves or curves[-1][0] != (condition, channel) or row[0] <= curves[-1][1][-1][0]:
-                curves.append(((condition, cast(Channel, channel)), []))
-            curves[-1][1].append(row)
-    return tuple(
-        _curve(condition, channel, rest_of(channel, observation), *np.array(rows).T)
-        for (condition, channel), rows in curves
-    )
+    rows = _rows(path)
+    check(ROWS, rows)
+    curves: list[tuple[tuple[str, Channel], list[dict[str, Any]]]] = []
+    for row in rows:
+        name, time = (row.pop("condition"), row.pop("channel")), row["time_ms"]
+        if not curves or curves[-1][0] != name or time <= curves[-1][1][-1]["time_ms"]:
+            curves.append((name, []))
+        curves[-1][1].append(row)
+    return tuple(_curve(*name, rest_of(name[1], observation), rows) for name, rows in curves)
 
 
-def _curve(condition: str, channel: Channel, rest: float, *columns: np.ndarray) -> Curve:
-    """The curve; the column of upper edges is empty beside a target that is no band."""
-    plain_columns, (*upper,) = columns[: 1 + len(_COLUMNS)], columns[1 + len(_COLUMNS) :]
-    is_band = bool(upper) and not np.isnan(upper[0]).all()
-    return Curve(condition, channel, *plain_columns, rest=rest, upper=upper[0] if is_band else None)
+def _rows(path: Path) -> list[dict[str, Any]]:
+    """The rows of a table by the names in its header; cells that hold numbers as numbers, empty ones as None."""
+    try:
+        with open(path, newline="", encoding="utf-8") as file:
+            header, *lines = list(csv.reader(file, strict=True)) or [[]]
+    except (csv.Error, UnicodeDecodeError) as error:
+        raise ValueError(f"it is no table of comma-separated values: {error}") from error
+    if len(set(header)) < len(header):
+        raise ValueError(f"its header names a column twice: {','.join(header):.80}")
+    for number, cells in enumerate(lines):
+        if len(cells) != len(header):
+            raise ValueError(f"[{number}] has {len(cells)} cells and the header {len(header)}")
+    return [{name: _cell(name, text) for name, text in zip(header, cells, strict=True)} for cells in lines]
+
+
+def _cell(name: str, text: str) -> Any:
+    if name in ("condition", "channel"):
+        return text
+    try:
+        return float(text) if text else None
+    except ValueError:
+        return text  # which the schema refuses
+
+
+def _curve(condition: str, channel: Channel, rest: float, rows: list[dict[str, Any]]) -> Curve:
+    """The curve. The column of upper edges is empty beside what is no band; an earlier version wrote no errors."""
+    columns = {
+        name: np.array([math.nan if (value := row.get(name)) is None else value for row in rows])
+        for name in ("time_ms", *_COLUMNS, "upper")
+    }
+    time, upper = columns.pop("time_ms"), columns.pop("upper")
+    return Curve(condition, channel, time, **columns, rest=rest, upper=None if np.isnan(upper).all() else upper)

@@ -14,9 +14,9 @@ from types import ModuleType
 from lgmd2jax._compute.xla import set_flags
 from lgmd2jax._video.remarks import clip_warnings_as_lines
 from lgmd2jax._words import is_refusal
-from lgmd2jax.cli.options import characterise, export, fit, predict, respond, stimuli, sweep, watch
+from lgmd2jax.cli.options import characterise, compare, export, fit, predict, respond, stimuli, sweep, watch
 
-_COMMANDS = (respond, watch, fit, predict, characterise, sweep, stimuli, export)
+_COMMANDS = (respond, watch, fit, predict, compare, characterise, sweep, stimuli, export)
 _EXAMPLES = """\
 examples:
   lgmd2jax respond crash.mp4        run the paper's model on a video
@@ -120,6 +120,8 @@ def _explanation(error: BaseException) -> tuple[str, int]:
     """What is said of an error, and the exit status."""
     if isinstance(error, KeyboardInterrupt):
         return _STOPPED, 130
+    if isinstance(error, OSError) and error.strerror:
+        return f"{error.filename}: {error.strerror}" if error.filename else error.strerror, 1
     if isinstance(error, OSError) or is_refusal(error):
         return str(error), 1
     return f"internal error, {type(error).__name__}: {error}; please report it, with what --traceback shows", 70

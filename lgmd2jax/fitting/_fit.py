@@ -1,6 +1,7 @@
 """The fit: screening on two levels, descents from the best, the choice by the model's own loss, the uncertainty."""
 
 import dataclasses
+import hashlib
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
@@ -17,6 +18,7 @@ from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.noise import inhibition_in_noise
 from lgmd2jax._network.thresholds import Hard, Soft, StraightThrough
 from lgmd2jax._targets.observation import Observation, observation_symbols
+from lgmd2jax._types import check_key
 from lgmd2jax._words import nearest
 from lgmd2jax.fitting._conditions import AnyCondition, Rendered, render
 from lgmd2jax.fitting._curve import Curve, curve_of, rest_of
@@ -31,6 +33,7 @@ from lgmd2jax.fitting._starts import CurveStarts
 from lgmd2jax.fitting._uncertainty.covariance import Uncertainty, linearised_uncertainty, prediction_band
 from lgmd2jax.fitting._uncertainty.jacobian import Sensitivity, sensitivity_at
 from lgmd2jax.fitting._uncertainty.linearity import nonlinear_parameters
+from lgmd2jax.stimuli import Stimulus
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -96,6 +99,7 @@ def fit(
     **Raises:** `ValueError` for conditions without targets, for a start outside of its bounds, for more free parameters
     than independent samples, for a prior beside targets without errors, and for settings that make no sense.
     """
+    check_key(key)
     pairs, observation, free = render(conditions), observation or Observation(), free.of(type(model.parameters))
     free.check_used_by(model)
     temperatures = _temperatures(model, temperatures)
@@ -171,6 +175,7 @@ def fit(
             **choice,
             **_loudest(model, pairs),
             "rules": _rules(pairs),
+            "stimuli": {stimulus.name: _digest(stimulus) for stimulus, _ in pairs},
         },
         problem=problem,
     )
@@ -255,6 +260,12 @@ def _loudest(model: AbstractNetwork, pairs: Sequence[Rendered]) -> dict[str, Any
 def _rules(pairs: Sequence[Rendered]) -> dict[str, int]:
     """How samples are counted and errors arose, where that is not plain, and of how many targets."""
     return dict(Counter(rule for _, targets in pairs for target in targets for rule in target.rules))
+
+
+def _digest(stimulus: Stimulus) -> str:
+    """What tells stimuli apart: their frames in hundredths of a grey level, beyond rounding, and their times."""
+    frames = np.rint(100 * np.asarray(stimulus.frames, dtype=float)).astype(np.int32)
+    return hashlib.sha256(frames.tobytes() + np.asarray(stimulus.time, dtype=float).tobytes()).hexdigest()[:16]
 
 
 def _uncertainty(problem: Problem, z: Float[np.ndarray, " free"], slopes: Sensitivity, absolute: bool) -> Uncertainty:
