@@ -4,6 +4,14 @@ import difflib
 import warnings
 
 
+class Remark(UserWarning):
+    """What a user should know of something that can be used all the same. The command line prints it as a line."""
+
+
+class UnfinishedWarning(Remark):
+    """A fit was stopped before all that was asked for was done."""
+
+
 def nearest(name: str, known) -> str:
     """The valid names, the likeliest first, for an error message."""
     names = sorted(known, key=lambda other: -difflib.SequenceMatcher(None, str(name), other).ratio())

@@ -42,6 +42,7 @@ def content_of(fit: Fit, supplement: Supplement) -> dict[str, Any]:
         "format": FORMAT,
         "version": VERSION,
         "result": fit.result,
+        "unfinished": supplement.unfinished,
         "free": free,
         "ties": {name: dataclasses.asdict(tie) for name, tie in fit.free.ties.items()},
         "observation": observation,

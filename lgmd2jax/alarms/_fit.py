@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Array
 
-from lgmd2jax._compute.tasks import Memory, Work
+from lgmd2jax._compute.fingerprint import fingerprint
+from lgmd2jax._compute.finished_work import Memory
+from lgmd2jax._compute.tasks import Work
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._network.thresholds import Hard
 from lgmd2jax._targets.observation import Observation
@@ -65,14 +67,15 @@ def fit(
     - `pixel_points`, `cell_points`, `descend`, `temperatures`, `max_steps`: as for `lgmd2jax.fit`.
     - `generations`: of the search near the best, each a quarter of the pixel points; 0 for none, as for `descend`.
     - `progress`: show a bar.
-    - `memory`: a mapping that keeps finished work; given again, the fit goes on from there.
+    - `memory`: a mapping that keeps finished work; given again, the fit goes on from there. That of another fit is
+      refused.
     - `client`: of a Dask cluster, on whose workers the starts are spread instead of on the cores here.
 
     On Ctrl-C the best so far is returned. Before the first start is finished the `KeyboardInterrupt` goes on to the
     caller.
 
-    **Raises:** `ValueError` for no clips, for clips in which no alarm is wanted, for a start outside of its bounds, and
-    for numbers that make no sense.
+    **Raises:** `ValueError` for no clips, for clips in which no alarm is wanted, for a start outside of its bounds, for
+    the memory of another fit, and for numbers that make no sense.
     """
     _check(model, clips, {"miss": miss, "false_alarm": false_alarm})
     check_counts({"pixel_points": pixel_points, "cell_points": cell_points, "max_steps": max_steps}, at_least=1)
@@ -92,7 +95,8 @@ def fit(
     )
     left_out = problem.own_events() if 1 < len(clips) <= _LEFT_OUT else {}
     starts = AlarmStarts(search, max_steps, left_out)
-    with Work({} if memory is None else memory, progress, client) as work:
+    digest = "" if memory is None else fingerprint((starts, generations))
+    with Work({} if memory is None else memory, progress, client, digest) as work:
         screenings = starts.screenings(
             work.do("screening", starts.screen, range(pixel_points), starts.compile_screening)
         )

@@ -15,17 +15,25 @@ Pair = tuple[Stimulus, Sequence[Target]]
 Predict = Callable[[Stimulus, Channel], Float[np.ndarray, " time"]]
 
 
-def leave_one_out(fit_to: Callable[[Sequence[Pair]], Predict], pairs: Sequence[Pair]) -> dict[str, float]:
+# What fits to conditions, and returns what predicts others.
+FitTo = Callable[[Sequence[Pair]], Predict]
+
+
+def leave_one_out(fit_to: FitTo, pairs: Sequence[Pair]) -> dict[str, float]:
     """R2 of each condition's first target, predicted by a fit to all other conditions.
 
-    **Arguments:** `fit_to` fits to conditions, and returns what predicts others.
+    **Raises:** `ValueError` for fewer than two conditions.
+    """
+    return {stimulus.name: predicted_r2(fit_to, pairs, number) for number, (stimulus, _) in enumerate(pairs)}
+
+
+def predicted_r2(fit_to: FitTo, pairs: Sequence[Pair], left_out: int) -> float:
+    """R2 of the first target of the condition with this number, predicted by a fit to all other conditions.
 
     **Raises:** `ValueError` for fewer than two conditions.
     """
     if len(pairs) < 2:
         raise ValueError("there is one condition only; to leave one out, give two or more")
-    explained = {}
-    for left_out, (stimulus, (target, *_)) in enumerate(pairs):
-        predict = fit_to([pair for number, pair in enumerate(pairs) if number != left_out])
-        explained[stimulus.name] = variance_explained(target.values, predict(stimulus, target.channel), target.weight)
-    return explained
+    stimulus, (target, *_) = pairs[left_out]
+    predict = fit_to([pair for number, pair in enumerate(pairs) if number != left_out])
+    return variance_explained(target.values, predict(stimulus, target.channel), target.weight)
