@@ -41,6 +41,7 @@ from ._recipes.load import load_recipe as load_recipe
 from ._recipes.sweep import SweepRecipe as SweepRecipe
 from ._results.fit_folder import load_fit as load_fit, save_fit as save_fit
 from ._sweep import surfaces as surfaces, sweep as sweep
+from ._targets.band import Band as Band
 from ._targets.csv_files import read_spike_trains as read_spike_trains, read_target as read_target
 from ._targets.looming_law import LoomingLaw as LoomingLaw
 from ._targets.model_target import ModelTarget as ModelTarget

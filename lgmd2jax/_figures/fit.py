@@ -12,6 +12,7 @@ from lgmd2jax._channels import TARGETS, Channel
 from lgmd2jax._figures.style import BLACK, BLUE, GREY, VERMILION, drawn
 from lgmd2jax.fitting import Curve, Fit, Run, Uncertainty
 from lgmd2jax.fitting._curve import DISAGREEMENT
+from lgmd2jax.fitting._report import grades
 
 _HEIGHTS = {"rate": 1.9, "smp_adapted": 1.5, "smp": 1.5, "spikes": 0.9}  # of a panel, in inches
 _COLUMNS = 5  # at most
@@ -75,31 +76,36 @@ def _conditions(curves: Sequence[Curve]) -> list[dict[str, Curve]]:
 
 
 def _verdict(curves: Sequence[Curve], name: str) -> str:
-    """What the hard model makes of the targets. R2 says little of one that hardly varies, so such ones are counted."""
-    missed = sum(not curve.met for curve in curves)
-    met = f"meets {len(curves) - missed} of {len(curves)} targets" if missed else f"meets all {len(curves)} targets"
+    """How many targets the hard model meets how well. R2 says little of what hardly varies, so all are counted."""
     explained = [r2 for curve in curves if not np.isnan(r2 := curve.r2())]
     low, high = (min(explained), max(explained)) if explained else (0.0, 0.0)
     explains = f", R² {low:.3f}" + (f" to {high:.3f}" if len(explained) > 1 else "") if low > 0 else ""
-    return f"Fit {name}: the hard model {met}{explains}"
+    return f"Fit {name}, hard model on {len(curves)} targets: {grades(curves)}{explains}"
 
 
 def _limits(curves: Sequence[Curve]) -> tuple[float, float]:
-    """What holds all curves of a channel. Bands may leave it: an undetermined one would flatten the rest."""
-    drawn_values = [values for curve in curves for values in (_counted(curve), curve.soft, curve.hard)]
-    drawn_values += [_counted(curve) + sign * curve.sem for curve in curves for sign in (-1, 1)]
-    low, high = np.nanmin(np.concatenate(drawn_values)), np.nanmax(np.concatenate(drawn_values))
+    """What holds all curves of a channel. Prediction bands may leave it: an undetermined one would flatten the rest."""
+    drawn_values = [values for curve in curves for values in (*_counted(curve), curve.soft, curve.hard)]
+    drawn_values += [_counted(curve)[0] + sign * curve.sem for curve in curves for sign in (-1, 1)]
+    together = np.concatenate(drawn_values)
+    together = together[np.isfinite(together)]
+    low, high = together.min(), together.max()
     margin = 0.06 * max(high - low, 0.02)
     return float(low - margin), float(high + margin)
 
 
-def _counted(curve: Curve) -> np.ndarray:
-    return np.where(curve.weight > 0, curve.target, np.nan)
+def _counted(curve: Curve) -> tuple[np.ndarray, np.ndarray]:
+    """Lower and upper edge of the target where it counts; of a curve they are the same."""
+    return np.where(curve.weight > 0, curve.target, np.nan), np.where(curve.weight > 0, curve.high, np.nan)
 
 
 def _panel(axes: Axes, curve: Curve, limits: tuple[float, float]) -> None:
-    target, band = _counted(curve), np.where(np.isfinite(curve.band), _BAND * curve.band, 0)
+    (target, upper), band = _counted(curve), np.where(np.isfinite(curve.band), _BAND * curve.band, 0)
     axes.axvline(0, color=GREY, linewidth=0.8)
+    if curve.is_band:
+        edges = np.clip(target, *limits), np.clip(upper, *limits)  # an infinite one reaches to the border
+        axes.fill_between(curve.time, *edges, color=GREY, alpha=0.6, linewidth=0.8, step="mid", label="target band")
+        target = np.full(len(target), np.nan)
     if np.isfinite(curve.sem).any():
         low, high = target - curve.sem, target + curve.sem
         axes.fill_between(curve.time, low, high, color=GREY, alpha=0.4, linewidth=0, label="target, s.e.m.")
@@ -116,7 +122,9 @@ def _panel(axes: Axes, curve: Curve, limits: tuple[float, float]) -> None:
         ("soft", curve.soft, BLUE, 1.2, "-"),
         ("hard, handed over", curve.hard, VERMILION, 1.2, (0, (4, 2))),
     ):
-        axes.plot(curve.time, values, color=colour, linewidth=width, linestyle=dashes, drawstyle=drawstyle, label=label)
+        if np.isfinite(values).any():
+            style = {"color": colour, "linewidth": width, "linestyle": dashes, "drawstyle": drawstyle}
+            axes.plot(curve.time, values, label=label, **style)
     if curve.gap > DISAGREEMENT:
         words = f"soft ≠ hard, {curve.gap:.0%}"
         axes.annotate(words, (0.02, 0.96), xycoords="axes fraction", va="top", color=VERMILION, weight="bold")
@@ -127,9 +135,12 @@ def _panel(axes: Axes, curve: Curve, limits: tuple[float, float]) -> None:
 
 
 def _quality(curve: Curve) -> str:
+    if curve.is_band:
+        shares = f"{curve.inside():.0%} within (soft {curve.inside('soft'):.0%})"
+        return f"{curve.grade}: {shares}\nsilence {curve.inside('silence'):.0%}, RMSE {curve.rmse():.2g}"
     hard, soft = curve.r2("hard"), curve.r2("soft")
     explained = "flat target" if np.isnan(hard) else f"R² {hard:.3g} (soft {soft:.3g})"
-    return f"{explained}, RMSE {curve.rmse('hard'):.2g}"
+    return f"{curve.grade}: {explained}\nRMSE {curve.rmse('hard'):.2g}, of silence {curve.rmse('silence'):.2g}"
 
 
 def diagnostics_figure(path: str | os.PathLike, fit: Fit) -> None:

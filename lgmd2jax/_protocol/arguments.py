@@ -73,7 +73,7 @@ def located(path: str, folder: Path) -> str:
 def _value(key: str, value: Any, annotation: Any, folder: Path) -> Any:
     origins = {typing.get_origin(choice) for choice in (annotation, *typing.get_args(annotation))}
     if Mapping in origins or (Sequence in origins and isinstance(value, list)):
-        return _collection(key, value, Mapping if Mapping in origins else Sequence)
+        return _collection(key, value, annotation, Mapping if Mapping in origins else Sequence)
     allowed = tuple(parts_of(annotation))
     if isinstance(value, Mapping):
         return _object(key, value, allowed, folder)
@@ -94,15 +94,25 @@ def _value(key: str, value: Any, annotation: Any, folder: Path) -> Any:
     raise ValueError(f"{key} is {value!r}; give {wanted}")
 
 
-def _collection(key: str, value: Any, kind: type) -> Any:
-    """A table of texts and numbers, or a list of texts."""
-    if kind is Sequence and all(isinstance(element, str) for element in value):
+def _collection(key: str, value: Any, annotation: Any, kind: type) -> Any:
+    """A table of texts and numbers, or a list of texts or of numbers."""
+    of_numbers = str not in parts_of(annotation)
+    if kind is Sequence and of_numbers and _all_numbers(value):
+        return tuple(tuple(part) if isinstance(part, list) else part for part in value)
+    if kind is Sequence and not of_numbers and all(isinstance(part, str) for part in value):
         return tuple(value)
     plain = isinstance(value, Mapping) and all(isinstance(element, (str, int, float)) for element in value.values())
     if kind is Mapping and plain:
         return dict(value)
-    wanted = "a list of texts" if kind is Sequence else "a table of texts and numbers"
+    wanted = f"a list of {'numbers' if of_numbers else 'texts'}" if kind is Sequence else "a table of texts and numbers"
     raise ValueError(f"{key} is {value!r}; give {wanted}")
+
+
+def _all_numbers(value: Any) -> bool:
+    """Whether it is a number, or a list of numbers or of such lists."""
+    if isinstance(value, list):
+        return all(map(_all_numbers, value))
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
 def _object(key: str, table: Mapping[str, Any], allowed: tuple, folder: Path) -> Any:

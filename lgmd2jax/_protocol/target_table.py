@@ -11,6 +11,7 @@ import jax
 from lgmd2jax._handover.named import model_named, with_parameters
 from lgmd2jax._network.thresholds import Soft
 from lgmd2jax._protocol.arguments import arguments, check_complete, check_keys, keywords, located
+from lgmd2jax._targets.band import Band
 from lgmd2jax._targets.csv_files import read_spike_trains, read_target
 from lgmd2jax._targets.looming_law import LoomingLaw
 from lgmd2jax._targets.model_target import ModelTarget
@@ -22,7 +23,7 @@ from lgmd2jax._words import nearest
 
 Table = Mapping[str, Any]
 
-_LAWS = {"looming": LoomingLaw, "rest": Rest, "onset": Onset}
+_LAWS = {"looming": LoomingLaw, "rest": Rest, "onset": Onset, "band": Band}
 _WEIGHTING = [field.name for field in dataclasses.fields(Weighted) if field.name != "target"]
 
 
@@ -43,9 +44,17 @@ def target(table: Table, folder: Path) -> AnyTarget:
     kernel_ms = 20
     where = { l_over_v = "{l_over_v}" }   # only these rows; and all else that read_spike_trains takes
 
-    [[condition.target]]                  # a law, with the arguments of LoomingLaw, Rest or Onset
-    law = "looming"                       # or "rest", "onset"
+    [[condition.target]]                  # a law, with the arguments of LoomingLaw, Rest, Onset or Band
+    law = "looming"                       # or "rest", "onset", "band"
     peak = 0.4
+
+    [[condition.target]]                  # a band: what a sentence tells that gives no curve
+    law = "band"
+    quote = "briefly excited"
+    segments_ms = [[0, 150], [300, 1000]] # between them nothing counts
+    low = [0.55, 0.5]
+    high = [0.8, 0.55]
+    error = 0.05                          # of a response outside, by its distance
 
     [[condition.target]]                  # what another model answers
     model = "preset:balanced"             # or a hand-over file, or the name of a shipped fit

@@ -23,7 +23,7 @@ from lgmd2jax.fitting._conditions import Rendered, render
 from lgmd2jax.fitting._law_fit import check_approaches, compare_with_law
 from lgmd2jax.fitting._search.descent import STOPPED
 from lgmd2jax.fitting._sections import free_of, network_of
-from lgmd2jax.fitting._validation import Pair, Predict, leave_one_out, predicted_r2
+from lgmd2jax.fitting._validation import Pair, Predict, check_no_bands, leave_one_out, predicted_r2
 
 _KEYS = ("protocol", "kind", "preset", "temperature", "parameters", "structure", "observation", "free", "solver")
 _KEYS += ("uncertainty", "validation", "truth", "network", "choice")
@@ -136,6 +136,7 @@ class Recipe:
             digest.update(np.asarray(stimulus.frames).tobytes() + np.asarray(stimulus.time).tobytes())
             for target in targets:
                 digest.update(target.channel.encode() + np.asarray([target.values, target.scale]).tobytes())
+                digest.update(b"" if target.upper is None else target.upper.tobytes())
         return digest.hexdigest()
 
 
@@ -167,6 +168,8 @@ def fit_recipe(path: Path, table: dict[str, Any]) -> Recipe:
     pairs = tuple(render(protocol.conditions))
     if validation.get("looming_law", False):
         check_approaches(pairs)
+    if validation.get("leave_one_out", False):
+        check_no_bands(pairs)
     return Recipe(
         name=path.stem,
         model=network_of(table, protocol.conditions[0].eye),

@@ -14,11 +14,13 @@ from lgmd2jax._channels import Channel
 from lgmd2jax._files.catalogue import locate
 from lgmd2jax._files.lock import locked
 from lgmd2jax._handover.model_file import load, save
-from lgmd2jax._results.fit_json import content_of, fit_of, plain
+from lgmd2jax._results.fit_json import content_of, fit_of, observation_of, plain
 from lgmd2jax._results.posterior_nc import write_posterior
 from lgmd2jax._results.results_folder import FIGURES, MARKER, Documents, ResultsFolder, warn_if_unfinished
+from lgmd2jax._targets.observation import Observation
 from lgmd2jax._words import warn_renamed
 from lgmd2jax.fitting import Curve, Fit, Posterior, Supplement
+from lgmd2jax.fitting._curve import rest_of
 
 _FIGURES = ("fit.png", "diagnostics.png")
 _POSTERIOR = "posterior.nc"
@@ -125,7 +127,8 @@ def load_fit(folder: str | Path) -> Fit:
     folder = _folder(folder)
     try:
         content = json.loads((folder / MARKER).read_text(encoding="utf-8"))
-        fit = fit_of(content, load(folder / "model.json"), _read_curves(folder / "curves.csv"))
+        curves = _read_curves(folder / "curves.csv", observation_of(content))
+        fit = fit_of(content, load(folder / "model.json"), curves)
     except (ValueError, KeyError, TypeError) as error:
         raise ValueError(f"{folder} holds no fit that can be used: {error}") from error
     warn_if_unfinished(folder, content.get("unfinished", ()))  # an earlier version did not write it
@@ -144,20 +147,34 @@ def _folder(folder: str | Path) -> Path:
 def _write_curves(path: Path, curves: tuple[Curve, ...]) -> None:
     with open(path, "w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
-        writer.writerow(["condition", "channel", "time_ms", *_COLUMNS])
+        bands = ["upper"] if any(curve.is_band for curve in curves) else []
+        writer.writerow(["condition", "channel", "time_ms", *_COLUMNS, *bands])
         for curve in curves:
-            for row in zip(curve.time, *(getattr(curve, name) for name in _COLUMNS), strict=True):
+            columns = [getattr(curve, name) for name in _COLUMNS]
+            if bands:
+                columns.append(np.full(len(curve.time), np.nan) if curve.upper is None else curve.upper)
+            for row in zip(curve.time, *columns, strict=True):
                 cells = ("" if math.isnan(value) else f"{value:.9g}" for value in row)
                 writer.writerow([curve.condition, curve.channel, *cells])
 
 
-def _read_curves(path: Path) -> tuple[Curve, ...]:
+def _read_curves(path: Path, observation: Observation) -> tuple[Curve, ...]:
     """A curve ends where its name changes or time goes back."""
-    curves: list[tuple[tuple[str, str], list[list[float]]]] = []
+    curves: list[tuple[tuple[str, Channel], list[list[float]]]] = []
     with open(path, newline="", encoding="utf-8") as file:
         for condition, channel, *cells in list(csv.reader(file))[1:]:
             row = [float(cell) if cell else math.nan for cell in cells]
             if not curves or curves[-1][0] != (condition, channel) or row[0] <= curves[-1][1][-1][0]:
-                curves.append(((condition, channel), []))
+                curves.append(((condition, cast(Channel, channel)), []))
             curves[-1][1].append(row)
-    return tuple(Curve(name[0], cast(Channel, name[1]), *np.array(rows).T) for name, rows in curves)
+    return tuple(
+        _curve(condition, channel, rest_of(channel, observation), *np.array(rows).T)
+        for (condition, channel), rows in curves
+    )
+
+
+def _curve(condition: str, channel: Channel, rest: float, *columns: np.ndarray) -> Curve:
+    """The curve; the column of upper edges is empty beside a target that is no band."""
+    plain_columns, (*upper,) = columns[: 1 + len(_COLUMNS)], columns[1 + len(_COLUMNS) :]
+    is_band = bool(upper) and not np.isnan(upper[0]).all()
+    return Curve(condition, channel, *plain_columns, rest=rest, upper=upper[0] if is_band else None)

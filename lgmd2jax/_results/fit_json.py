@@ -12,6 +12,7 @@ from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.thresholds import Soft, StraightThrough, Thresholds, Widths
 from lgmd2jax._targets.observation import Observation, observation_symbols
 from lgmd2jax.fitting import Curve, Fit, Free, Linear, Log, Run, Supplement, Tie, Uncertainty
+from lgmd2jax.fitting._curve import tallies
 from lgmd2jax.fitting._free import RANGES
 from lgmd2jax.fitting._uncertainty.covariance import CONFIDENCE
 
@@ -42,6 +43,7 @@ def content_of(fit: Fit, supplement: Supplement) -> dict[str, Any]:
         "format": FORMAT,
         "version": VERSION,
         "result": fit.result,
+        "status": fit.status,
         "unfinished": supplement.unfinished,
         "free": free,
         "ties": {name: dataclasses.asdict(tie) for name, tie in fit.free.ties.items()},
@@ -55,9 +57,11 @@ def content_of(fit: Fit, supplement: Supplement) -> dict[str, Any]:
                 "condition": curve.condition,
                 "channel": curve.channel,
                 "r2": {"soft": curve.r2("soft"), "hard": curve.r2("hard")},
-                "rmse": {"soft": curve.rmse("soft"), "hard": curve.rmse("hard")},
+                "rmse": {kind: curve.rmse(kind) for kind in ("soft", "hard", "silence")},
                 "gap": curve.gap,
+                "grade": curve.grade,
             }
+            | _band(curve)
             for curve in fit.curves
         ],
         "remarks": fit.remarks(),
@@ -73,6 +77,8 @@ def content_of(fit: Fit, supplement: Supplement) -> dict[str, Any]:
         "screened": fit.screened,
         "versions": {name: version(name) for name in ("lgmd2jax", "jax", "equinox", "optimistix", "numpy")},
     }
+    if words := tallies(fit.curves):
+        content["words"] = [tally._asdict() for tally in words]
     return plain(content)
 
 
@@ -81,8 +87,7 @@ def fit_of(content: dict[str, Any], model: AbstractNetwork, curves: tuple[Curve,
 
     **Raises:** `ValueError` for another format, and `KeyError` or `TypeError` for what is not complete.
     """
-    if not isinstance(content, dict) or (content.get("format"), content.get("version")) != (FORMAT, VERSION):
-        raise ValueError(f"its format is not {FORMAT!r}, version {VERSION}")
+    observation = observation_of(content)
     thresholds = content["thresholds"]
     if thresholds["kind"] != "Hard":
         kind = {"Soft": Soft, "StraightThrough": StraightThrough}[thresholds["kind"]]
@@ -90,7 +95,7 @@ def fit_of(content: dict[str, Any], model: AbstractNetwork, curves: tuple[Curve,
     choices = {name: _choice(entry) for name, entry in content["free"].items()}
     return Fit(
         model=model,
-        observation=Observation(**content["observation"]),
+        observation=observation,
         free=Free(**choices, **{name: Tie(**tie) for name, tie in content["ties"].items()}),
         z=np.array(content["z"]),
         start={name: entry["start"] for name, entry in content["free"].items()},
@@ -99,13 +104,34 @@ def fit_of(content: dict[str, Any], model: AbstractNetwork, curves: tuple[Curve,
         temperatures=tuple(content["temperatures"]),
         uncertainty=_uncertainty(tuple(choices), content["uncertainty"]),
         curved=tuple(content["curved"]),
-        curves=curves,
+        curves=tuple(
+            dataclasses.replace(curve, quote=entry.get("quote", ""))
+            for curve, entry in zip(curves, content["curves"], strict=True)
+        ),
         runs=tuple(Run.of(run) for run in content["runs"]),
         screened=tuple(content["screened"]),
         errors=content["errors"],
         result=content["result"],
         stats=content["stats"],
     )
+
+
+def observation_of(content: dict[str, Any]) -> Observation:
+    """The observation of a fit.
+
+    **Raises:** as `fit_of`.
+    """
+    if not isinstance(content, dict) or (content.get("format"), content.get("version")) != (FORMAT, VERSION):
+        raise ValueError(f"its format is not {FORMAT!r}, version {VERSION}")
+    return Observation(**content["observation"])
+
+
+def _band(curve: Curve) -> dict[str, Any]:
+    """What is told of a band alone."""
+    if not curve.is_band:
+        return {}
+    within = {kind: curve.inside(kind) for kind in ("soft", "hard", "silence")}
+    return {"quote": curve.quote, "within": within}
 
 
 def _choice(entry: dict[str, Any]) -> Linear | Log:

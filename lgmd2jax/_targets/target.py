@@ -1,4 +1,4 @@
-"""The curve that a response is compared with, and what a difference from it weighs."""
+"""The curve or band that a response is compared with, and what a difference from it weighs."""
 
 import dataclasses
 from functools import partial
@@ -40,7 +40,7 @@ def _duration(value: Any) -> Any:
 
 
 class Target(eqx.Module):
-    """A curve over time in one channel of the response.
+    """A curve over time in one channel of the response, or a band in which the response should lie.
 
     Numbers with a unit of their own, as quantities, pint, pandas or xarray give them, are converted by it.
 
@@ -58,9 +58,13 @@ class Target(eqx.Module):
     - `interpolate`: whether values at other times than the frames' may be interpolated onto these. There are then as
       many samples as values: of those further apart than the frames each counts once, at the frame nearest to it.
     - `sem_rule`: how the standard errors arose, for the report of a fit.
+    - `upper`: makes it a band, of which `values` are the lower edge. A response within is no difference, edges
+      included; one outside differs by its distance from the nearer edge. Of the two edges one may be infinite.
+    - `quote`: the words that it stands for, under which a report counts it.
 
     **Raises:** `ValueError` for an unknown channel, for arrays of unequal lengths, for what is not finite, for times
-    that do not increase, and for negative errors and weights.
+    that do not increase, for negative errors and weights, and for a band with an edge above the other, without any
+    finite edge, or with a `sem`, which only a curve has.
     """
 
     channel: Channel = eqx.field(static=True)
@@ -72,18 +76,22 @@ class Target(eqx.Module):
     correlation_ms: float | int = eqx.field(default=0.0, static=True, converter=_duration)
     interpolate: bool = eqx.field(default=False, static=True)
     sem_rule: str = eqx.field(default="", static=True)
+    upper: Float[np.ndarray, " time"] | None = eqx.field(default=None, converter=partial(_optional, name="upper"))
+    quote: str = eqx.field(default="", static=True)
 
     def __check_init__(self):
         check_channel(self.channel)
         if self.values.ndim != 1 or not self.values.size:
             raise ValueError(f"values has shape {self.values.shape}; give a number for each time")
-        for name in ("values", "time", "sem", "error", "weight"):
+        for name in ("values", "time", "sem", "error", "weight", "upper"):
             array = getattr(self, name)
             if array is None:
                 continue
             if array.shape != self.values.shape and not (array.ndim == 0 and name in ("error", "weight")):
                 raise ValueError(f"{name} has shape {array.shape} and values {self.values.shape}; make them equal")
-            _check(name, array, np.isfinite(array), "a finite number")
+            is_edge = self.upper is not None and name in ("values", "upper")
+            _check(name, array, ~np.isnan(array) if is_edge else np.isfinite(array), "a finite number")
+        self._check_band()
         if self.sem is not None:
             _check("sem", self.sem, self.sem >= 0, "0 or more")
         if self.error is not None:
@@ -106,6 +114,11 @@ class Target(eqx.Module):
         error = None if self.error is None else np.broadcast_to(self.error, self.values.shape)
         weight = np.broadcast_to(self.weight, self.values.shape)
         return dataclasses.replace(self, error=error, weight=weight, time=frames, interpolate=False)
+
+    @property
+    def is_band(self) -> bool:
+        """Whether it is a band, and no curve."""
+        return self.upper is not None
 
     @property
     def has_error(self) -> bool:
@@ -134,6 +147,8 @@ class Target(eqx.Module):
             rules.append("values further apart than the frames: each is one sample, at the frame nearest to it")
         if self.correlation_ms:
             rules.append(f"a span of {self.correlation_ms:.3g} ms makes one independent sample")
+        if self.is_band:
+            rules.append("bands: a sample within is no difference and leaves no degree of freedom")
         if self.error is None and self.sem is not None:
             rules += [self.sem_rule] if self.sem_rule else []
             if np.any((self._sem_in_use > self.sem)[np.broadcast_to(self.weight > 0, self.sem.shape)]):
@@ -168,8 +183,8 @@ class Target(eqx.Module):
         if weight.any():
             self._check_clock(frames, known)
         counted = known & _nearest(frames, known, time)
-        values = np.interp(frames, time, self.values)
-        if np.any(counted != known):
+        values = _edge_at(frames, time, self.values)
+        if np.any(counted != known) and not self.is_band:  # a band is no recording, with no noise to be kept
             values[counted] = self._carried(frames[counted])
         error = None if self.error is None else np.broadcast_to(self.error, self.values.shape)
         return dataclasses.replace(
@@ -179,6 +194,7 @@ class Target(eqx.Module):
             sem=None if self.sem is None else np.interp(frames, time, self.sem),
             error=None if error is None else np.interp(frames, time, error),
             weight=np.where(counted, np.interp(frames, time, weight), 0.0),
+            upper=None if self.upper is None else _edge_at(frames, time, self.upper),
             interpolate=False,
         )
 
@@ -193,6 +209,18 @@ class Target(eqx.Module):
             return np.full(frames.shape, values[0])
         nearest = np.rint(np.interp(frames, time, np.arange(len(time)))).astype(int)
         return values[nearest] + (frames - time[nearest]) * np.gradient(values, time)[nearest]
+
+    def _check_band(self) -> None:
+        if self.upper is None:
+            return
+        low, high = self.values, self.upper
+        if np.any(low > high):
+            first = int(np.argmax(low > high))
+            raise ValueError(f"a band's lower edge is {low[first]:g} where the upper one is {high[first]:g}; swap them")
+        if not np.all(np.isfinite(low) | np.isfinite(high)) or np.any(low == np.inf) or np.any(high == -np.inf):
+            raise ValueError("a band has no finite edge; give one, or leave out the times where neither is known")
+        if self.sem is not None:
+            raise ValueError("a band has a sem, which only a curve has; give an error")
 
     def _check_clock(self, frames: np.ndarray, known: np.ndarray) -> None:
         """Refuse times that cannot be those of the stimulus."""
@@ -256,6 +284,15 @@ def _nearest(frames: np.ndarray, known: np.ndarray, time: np.ndarray) -> np.ndar
         distance = np.abs(frames[pair] - time)
         nearest[np.where(distance[0] <= distance[1], *pair)[distance.min(axis=0) <= np.ptp(frames[:2])]] = True
     return nearest
+
+
+def _edge_at(frames: np.ndarray, time: np.ndarray, edge: np.ndarray) -> np.ndarray:
+    """The values between times, linearly; infinite where one of the two neighbours is."""
+    infinite = np.isinf(edge)
+    between = np.interp(frames, time, np.where(infinite, 0.0, edge))
+    if infinite.any():
+        between[np.interp(frames, time, infinite) > 0] = edge[infinite][0]
+    return between
 
 
 def _span(time: np.ndarray) -> str:

@@ -76,7 +76,10 @@ def _loss(problem: Problem, z: Float[Array, " free"], curves: Curves) -> Float[A
 
 
 def _with_best_rate(problem: Problem, z: Float[Array, " free"], curves: Curves) -> tuple[Float[Array, " free"], Curves]:
-    """The point and its curves with the best baseline and gain, in which a rate is linear: rate = baseline + gain x."""
+    """The point and its curves with the best baseline and gain, in which a rate is linear: rate = baseline + gain x.
+
+    Of a band the part that is nearest to the rates counts, so that they come closer to it, if not as close as they can.
+    """
     baseline, gain = (problem.free.indices(name) for name in ("baseline", "gain"))
     ties = {tie.to for tie in problem.free.ties.values()} | set(problem.free.ties)
     if not (baseline or gain) or ties & {"baseline", "gain"}:
@@ -89,7 +92,7 @@ def _with_best_rate(problem: Problem, z: Float[Array, " free"], curves: Curves) 
 
     w = jnp.concatenate([jnp.square(slots[i].scale).ravel() for i in shapes])
     x = jnp.concatenate([shape.ravel() for shape in shapes.values()])
-    y = jnp.concatenate([slots[i].values.ravel() for i in shapes])
+    y = jnp.concatenate([slots[i].nearest(leaves[i]).ravel() for i in shapes])
     s, sx, sy, sxx, sxy = w.sum(), w @ x, w @ y, w @ (x * x), w @ (x * y)
     if baseline and gain:
         g = _within_bounds(problem, gain[0], (s * sxy - sx * sy) / jnp.maximum(s * sxx - sx * sx, 1e-12))

@@ -1,7 +1,8 @@
-"""One target beside the fitted model's response."""
+"""One target, a curve or a band, beside the fitted model's response."""
 
 import dataclasses
-from typing import Literal
+from collections.abc import Sequence
+from typing import Literal, NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
@@ -11,10 +12,30 @@ from lgmd2jax._channels import TARGETS, Channel
 from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._targets.observation import Observation
 from lgmd2jax._targets.target import Target
+from lgmd2jax._words import warn_renamed
 from lgmd2jax.stimuli import Stimulus
 
-Kind = Literal["soft", "hard"]
+Kind = Literal["soft", "hard", "silence"]
+Grade = Literal["good", "fair", "missed"]
 DISAGREEMENT = 0.05  # of the span, from which soft and hard are said to differ
+_GOOD, _FAIR = 0.9, 0.5  # least R2
+_HALF = 0.5  # of silence's RMSE, that a response may miss by at most
+_QUIET, _GOOD_QUIET, _FAIR_QUIET = 0.01, 0.03, 0.1  # of the span
+_GOOD_BAND, _FAIR_BAND = 0.9, 0.7  # least share of samples within a band
+# The rules, in sentences.
+GRADES = (
+    f"Good: R2 of the hard model at least {_GOOD:g}; fair: at least {_FAIR:g}; both only where its RMSE is at most "
+    f"{_HALF:g} of that of silence, a model that stays at rest. Of a constant target away from rest the variance is "
+    "that about rest.",
+    f"Where silence itself misses by less than {_QUIET:.0%} of the span, quiet is asked: good is then an RMSE of at "
+    f"most {_GOOD_QUIET:.0%} of the span, fair one of at most {_FAIR_QUIET:.0%}. The span is the target's range, but "
+    "no less than half of what the channel can do.",
+    "Missed: all else.",
+)
+BAND_GRADES = (
+    f"Good: at least {_GOOD_BAND:.0%} of the hard model's samples within; fair: at least {_FAIR_BAND:.0%}; both only "
+    f"where silence, a model that stays at rest, has fewer within, or itself {_GOOD_BAND:.0%}. Missed: all else.",
+)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -24,6 +45,8 @@ class Curve:
     - `time`: ms. `target`, `sem`, `soft`, `hard`: in the unit of the channel; `sem` is NaN where none was recorded.
     - `weight`: of the squared difference; 0 where there is no target.
     - `band`: standard error of the prediction, from that of the parameters.
+    - `rest`: the channel of a cell that stays at rest, in its unit.
+    - `upper`: makes the target a band, of which `target` is the lower edge. `quote`: the words that it stands for.
     """
 
     condition: str
@@ -35,19 +58,49 @@ class Curve:
     soft: Float[np.ndarray, " time"]
     hard: Float[np.ndarray, " time"]
     band: Float[np.ndarray, " time"]
+    rest: float
+    upper: Float[np.ndarray, " time"] | None = None
+    quote: str = ""
+
+    @property
+    def silence(self) -> Float[np.ndarray, " time"]:
+        """A model that stays at rest throughout."""
+        return np.full(self.target.shape, self.rest)
 
     def r2(self, kind: Kind = "hard") -> float:
-        """Share of the target's variance that the model explains; NaN for a target that does not vary."""
+        """Share of the target's variance that the model explains; NaN for a band, and for one that does not vary."""
+        if self.is_band:
+            return float("nan")
         return variance_explained(self.target, getattr(self, kind), self.weight)
 
     def rmse(self, kind: Kind = "hard") -> float:
         """Root of the mean squared difference from the target, in the channel's unit."""
-        return float(np.sqrt(np.average((getattr(self, kind) - self.target) ** 2, weights=self.weight)))
+        return float(np.sqrt(np.average(self.distance(kind) ** 2, weights=self.weight)))
+
+    @property
+    def is_band(self) -> bool:
+        """Whether the target is a band."""
+        return self.upper is not None
+
+    @property
+    def high(self) -> Float[np.ndarray, " time"]:
+        """The upper edge of a band; of a curve the target itself."""
+        return self.target if self.upper is None else self.upper
+
+    def distance(self, kind: Kind = "hard") -> Float[np.ndarray, " time"]:
+        """From the target, in the channel's unit, negative below; 0 within a band."""
+        response = getattr(self, kind)
+        return response - np.clip(response, self.target, self.high)
+
+    def inside(self, kind: Kind = "hard") -> float:
+        """Share of the samples that count which lie within the band."""
+        return float(np.mean(self.distance(kind)[self.weight > 0] == 0))
 
     @property
     def span(self) -> float:
         """What counts as a large response: the target's range, but no less than half of what the channel can do."""
-        return max(float(np.ptp(self.target[self.weight > 0])), (TARGETS[self.channel].span or 2e-12) / 2)
+        edges = np.concatenate([self.target[self.weight > 0], self.high[self.weight > 0]])
+        return max(float(np.ptp(edges[np.isfinite(edges)])), (TARGETS[self.channel].span or 2e-12) / 2)
 
     @property
     def gap(self) -> float:
@@ -55,9 +108,61 @@ class Curve:
         return float(np.sqrt(np.average((self.soft - self.hard) ** 2, weights=self.weight))) / self.span
 
     @property
+    def grade(self) -> Grade:
+        """How well the hard model meets the target, by the rules that `GRADES` and `BAND_GRADES` state."""
+        return self._band_grade if self.is_band else self._curve_grade
+
+    @property
+    def _band_grade(self) -> Grade:
+        share, silence = self.inside(), self.inside("silence")
+        if silence < _GOOD_BAND and share <= silence:
+            return "missed"
+        return "good" if share >= _GOOD_BAND else "fair" if share >= _FAIR_BAND else "missed"
+
+    @property
+    def _curve_grade(self) -> Grade:
+        miss, silence = self.rmse(), self.rmse("silence")
+        if silence < _QUIET * self.span:
+            return (
+                "good" if miss <= _GOOD_QUIET * self.span else "fair" if miss <= _FAIR_QUIET * self.span else "missed"
+            )
+        if miss > _HALF * silence:
+            return "missed"
+        r2 = 1 - (miss / silence) ** 2 if np.isnan(self.r2()) else self.r2()
+        return "good" if r2 >= _GOOD else "fair" if r2 >= _FAIR else "missed"
+
+    @property
     def met(self) -> bool:
-        """Whether the hard model comes close: it explains half of the variance, or misses by a tenth of `span`."""
-        return self.r2() >= 0.5 or self.rmse() <= 0.1 * self.span
+        """The old name of a `grade` other than missed."""
+        warn_renamed("Curve.met", "Curve.grade")
+        return self.grade != "missed"
+
+
+class Tally(NamedTuple):
+    """The bands that stand for the same words.
+
+    - `samples`: of them that count. `soft`, `hard`: share of these within. `farthest`: of the hard model from a band,
+      as a distance.
+    """
+
+    quote: str
+    samples: int
+    soft: float
+    hard: float
+    farthest: float
+
+
+def tallies(curves: Sequence[Curve]) -> list[Tally]:
+    """The bands by their words, in the order in which these come first; those without words are left out."""
+    quotes = dict.fromkeys(curve.quote for curve in curves if curve.is_band and curve.quote)
+    return [_tally(quote, [curve for curve in curves if curve.quote == quote]) for quote in quotes]
+
+
+def _tally(quote: str, curves: Sequence[Curve]) -> Tally:
+    soft, hard = (
+        np.concatenate([curve.distance(kind)[curve.weight > 0] for curve in curves]) for kind in ("soft", "hard")
+    )
+    return Tally(quote, len(hard), float(np.mean(soft == 0)), float(np.mean(hard == 0)), float(np.abs(hard).max()))
 
 
 def predict(
@@ -78,10 +183,31 @@ def variance_explained(target: np.ndarray, curve: np.ndarray, weight: np.ndarray
     return float(1 - np.average((curve - target) ** 2, weights=weight) / variance)
 
 
-def curve_of(stimulus: Stimulus, target: Target, soft: np.ndarray, hard: np.ndarray, band: np.ndarray) -> Curve:
+def rest_of(channel: Channel, observation: Observation) -> float:
+    """A channel of a cell at rest, in its unit."""
+    rest = TARGETS[channel].rest
+    return float(observation.baseline) if rest is None else rest
+
+
+def curve_of(
+    stimulus: Stimulus, target: Target, soft: np.ndarray, hard: np.ndarray, band: np.ndarray, rest: float
+) -> Curve:
     """The curves of one target, whose values stand at the frames of its stimulus."""
     nothing = np.full(len(target.values), np.nan)
     sem = nothing if target.sem is None else np.asarray(target.sem)
     weight = np.broadcast_to(target.weight, target.values.shape)
     time = np.asarray(stimulus.time)
-    return Curve(stimulus.name, target.channel, time, target.values, sem, weight, soft, hard, band)
+    return Curve(
+        stimulus.name,
+        target.channel,
+        time,
+        target.values,
+        sem,
+        weight,
+        soft,
+        hard,
+        band,
+        rest,
+        upper=target.upper,
+        quote=target.quote,
+    )

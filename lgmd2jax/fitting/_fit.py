@@ -20,7 +20,7 @@ from lgmd2jax._network.thresholds import Hard, Soft, StraightThrough
 from lgmd2jax._targets.observation import Observation, observation_symbols
 from lgmd2jax._words import nearest
 from lgmd2jax.fitting._conditions import AnyCondition, Rendered, render
-from lgmd2jax.fitting._curve import Curve, curve_of
+from lgmd2jax.fitting._curve import Curve, curve_of, rest_of
 from lgmd2jax.fitting._free import Free
 from lgmd2jax.fitting._problem import Curves, Problem, chi2_residuals, problem_of
 from lgmd2jax.fitting._result import Fit
@@ -159,7 +159,7 @@ def fit(
         temperatures=temperatures,
         uncertainty=u,
         curved=nonlinear_parameters(chi2_residuals(problem, temperatures[-1], u.variance), z, u),
-        curves=_curves(problem, pairs, slopes, _hard_curves(problem, jnp.asarray(z)), u),
+        curves=_curves(problem, observation, pairs, slopes, _hard_curves(problem, jnp.asarray(z)), u),
         runs=tuple(runs),
         screened=tuple(sorted(point["loss"] for point in screened.values())),
         errors=problem.frame_errors(u.variance),
@@ -259,6 +259,7 @@ def _uncertainty(problem: Problem, z: Float[np.ndarray, " free"], slopes: Sensit
         n_effective=problem.samples(),
         absolute=absolute,
         priors=problem.priors,
+        inside=problem.samples_inside(slopes.curves),
     )
 
 
@@ -270,7 +271,12 @@ def _hard_curves(problem: Problem, z: Float[Array, " free"]) -> Curves:
 
 
 def _curves(
-    problem: Problem, pairs: Sequence[Rendered], slopes: Sensitivity, hard: Curves, u: Uncertainty
+    problem: Problem,
+    observation: Observation,
+    pairs: Sequence[Rendered],
+    slopes: Sensitivity,
+    hard: Curves,
+    u: Uncertainty,
 ) -> tuple[Curve, ...]:
     """A curve for every target, in the order of the conditions."""
     curves = []
@@ -280,5 +286,6 @@ def _curves(
             soft_curve = np.asarray(slopes.curves[batch][slot][row])[frames]
             hard_curve = np.asarray(hard[batch][slot][row])[frames]
             band = prediction_band(u, np.asarray(slopes.slopes[batch][slot][row])[frames])
-            curves.append(curve_of(stimulus, target, soft_curve, hard_curve, band))
+            rest = rest_of(target.channel, observation)
+            curves.append(curve_of(stimulus, target, soft_curve, hard_curve, band, rest))
     return tuple(curves)

@@ -31,13 +31,23 @@ Curves = list[list[Float[Array, "_ _"]]]
 class Slot(eqx.Module):
     """One target of each condition of a batch; `scale` is 0 where there is none.
 
-    `thinning` is how many frames make one independent sample.
+    `low` and `high` are the edges of a band, both of them the values of a curve. `thinning` is how many frames make one
+    independent sample.
     """
 
     channel: str = eqx.field(static=True)
-    values: Float[Array, "condition time"]
+    low: Float[Array, "condition time"]
+    high: Float[Array, "condition time"]
     scale: Float[Array, "condition time"]
     thinning: Float[Array, " condition"]
+
+    def inside(self, curve: Float[Array, "condition time"]) -> Bool[Array, "condition time"]:
+        """Where a curve lies within a band, edges included."""
+        return (self.low < self.high) & (self.low <= curve) & (curve <= self.high)
+
+    def nearest(self, curve: Float[Array, "condition time"]) -> Float[Array, "condition time"]:
+        """What of the target lies nearest to a curve: within a band the curve itself, so that no slope is left."""
+        return jnp.where(self.inside(curve), curve, jnp.where(curve > self.low, self.high, self.low))
 
 
 class Place(NamedTuple):
@@ -87,12 +97,12 @@ class Problem(Space[AbstractNetwork]):
         return curves
 
     def differences(self, curves: Curves) -> Float[Array, " n"]:
-        """(curve - target) in standard errors, robust if so wished; 0 where there is no target.
+        """(curve - target) in standard errors, robust if so wished; 0 where there is no target, and within a band.
 
         Where so many frames make one sample, the square of each counts as that fraction of one.
         """
         rows = [
-            (robust(slot.scale * (curve - slot.values), self.loss) / jnp.sqrt(slot.thinning)[:, None]).ravel()
+            (robust(slot.scale * (curve - slot.nearest(curve)), self.loss) / jnp.sqrt(slot.thinning)[:, None]).ravel()
             for batch, predicted in zip(self.batches, curves, strict=True)
             for slot, curve in zip(batch.slots, predicted, strict=True)
         ]
@@ -143,6 +153,16 @@ class Problem(Space[AbstractNetwork]):
         return sum(
             float(((slot.scale > 0).sum(axis=1) / slot.thinning).sum()) for b in self.batches for slot in b.slots
         )
+
+    def samples_inside(self, curves: Curves) -> float | None:
+        """How many of them lie within a band; None where no target is one."""
+        rows = [
+            ((slot.scale > 0) & slot.inside(curve), slot.thinning)
+            for batch, predicted in zip(self.batches, curves, strict=True)
+            for slot, curve in zip(batch.slots, predicted, strict=True)
+            if np.any(slot.low < slot.high)
+        ]
+        return sum(float((inside.sum(axis=1) / thinning).sum()) for inside, thinning in rows) if rows else None
 
 
 def chi2_residuals(problem: Problem, temperature: float, variance: float) -> Partial:
@@ -204,11 +224,17 @@ def _batch(members: Sequence[tuple[Stimulus, Sequence[Target]]]) -> tuple[Batch,
             columns.setdefault(column, [None] * len(members))[row] = target
 
     empty = [np.zeros(len(stimulus.frames)) for stimulus, _ in members]
+
+    def rows(column, values_of):
+        targets = zip(column, empty, strict=True)
+        return padded([none if target is None else values_of(target) for target, none in targets])
+
     slots = [
         Slot(
             channel,
-            padded([none if target is None else target.values for target, none in zip(column, empty, strict=True)]),
-            padded([none if target is None else target.scale for target, none in zip(column, empty, strict=True)]),
+            rows(column, lambda target: target.values),
+            rows(column, lambda target: target.values if target.upper is None else target.upper),
+            rows(column, lambda target: target.scale),
             jnp.asarray([1.0 if target is None else target.thinning for target in column]),
         )
         for (channel, _), column in columns.items()

@@ -2,16 +2,19 @@
 
 import dataclasses
 import math
+from collections import Counter
 from collections.abc import Mapping, Sequence
+from typing import get_args
 
 import numpy as np
+import scipy
 
 from lgmd2jax._channels import TARGETS, Channel
 from lgmd2jax._network.parameters import ParameterSet, symbols
 from lgmd2jax._reports.digits import measured, plain, rounded
 from lgmd2jax._reports.section import Section
 from lgmd2jax._targets.observation import Observation, observation_symbols
-from lgmd2jax.fitting._curve import DISAGREEMENT, Curve
+from lgmd2jax.fitting._curve import BAND_GRADES, DISAGREEMENT, GRADES, Curve, Grade, tallies
 from lgmd2jax.fitting._free import Free
 from lgmd2jax.fitting._law_fit import LawComparison
 from lgmd2jax.fitting._run import Run
@@ -19,6 +22,7 @@ from lgmd2jax.fitting._search.descent import FINAL
 from lgmd2jax.fitting._uncertainty.covariance import CONFIDENCE, Uncertainty
 from lgmd2jax.fitting._uncertainty.profile import Profile
 
+_CHANCE = 1e-3  # of a chi2 as large as it is, below which the misfit is not consistent with the errors
 _CORRELATED, _MOST = 0.5, 10  # correlations from which, and how many, are told
 
 
@@ -41,17 +45,22 @@ class Supplement:
 
 
 def status(result: str, loss: float, u: Uncertainty, curves: Sequence[Curve]) -> tuple[str, ...]:
-    """The verdict in a few words each: valid or not, why it stopped, bounds, what is undetermined, soft against hard.
+    """The verdict in a few words each: valid or not, why it stopped, misfit, grades, bounds, what is undetermined.
 
-    A fit is valid whose last descent came to its end, at a finite loss at which there are standard errors.
+    A fit is valid whose last descent came to its end, at a finite loss at which there are standard errors, and whose
+    misfit is consistent with the errors of the targets; where these are unknown, no target is missed.
     """
-    valid = result in FINAL and math.isfinite(loss) and not u.reason
+    missed = sum(curve.grade == "missed" for curve in curves)
+    fits = consistent(u) if u.absolute else not missed
+    valid = result in FINAL and math.isfinite(loss) and not u.reason and fits
     bounds = [name for name, side in zip(u.names, u.on_bound, strict=True) if side]
     loose = [name for name, known in zip(u.names, u.determined, strict=True) if not known]
     apart = sum(curve.gap > DISAGREEMENT for curve in curves)
     return (
         "valid" if valid else "NOT VALID",
         result,
+        *([] if u.reason else [_misfit(u)]),
+        f"targets: {grades(curves)}",
         f"at a bound: {', '.join(bounds)}" if bounds else "none at a bound",
         f"no standard errors: {u.reason}"
         if u.reason
@@ -60,6 +69,25 @@ def status(result: str, loss: float, u: Uncertainty, curves: Sequence[Curve]) ->
         else "all determined",
         f"soft and hard differ in {apart} of {len(curves)} curves" if apart else "soft and hard agree",
     )
+
+
+def grades(curves: Sequence[Curve]) -> str:
+    """How many targets have which grade, the best first."""
+    counts = Counter(curve.grade for curve in curves)
+    return ", ".join(f"{counts[grade]} {grade}" for grade in get_args(Grade) if counts[grade])
+
+
+def consistent(u: Uncertainty) -> bool:
+    """Whether chance alone would make chi2 as large as that in more than a thousandth of all cases."""
+    return bool(scipy.stats.chi2.sf(u.chi2, max(u.degrees_of_freedom, 1)) >= _CHANCE)  # in bands there may be none left
+
+
+def _misfit(u: Uncertainty) -> str:
+    if not u.absolute:
+        return "errors unknown: scaled to the misfit"
+    if consistent(u):
+        return "misfit consistent with the errors"
+    return f"misfit {math.sqrt(u.chi2 / max(u.degrees_of_freedom, 1)):.3g} times the errors"
 
 
 def free_section(
@@ -136,20 +164,50 @@ def statistics_section(u: Uncertainty, curves: Sequence[Curve], rules: Mapping[s
 
 
 def curve_section(curves: Sequence[Curve]) -> Section:
-    """How close soft and hard model come to each target."""
+    """How close soft and hard model, and silence, come to each target that is a curve."""
     rows = [
         (
             curve.condition,
             curve.channel,
             *(_share(curve.r2(kind)) for kind in ("soft", "hard")),
-            *(f"{curve.rmse(kind):.3g}" for kind in ("soft", "hard")),
+            *(f"{curve.rmse(kind):.3g}" for kind in ("soft", "hard", "silence")),
             _unit(TARGETS[curve.channel].unit),
             f"{curve.gap:.1%}",
+            curve.grade,
         )
         for curve in curves
+        if not curve.is_band
     ]
-    columns = ("curve", "channel", "R2 soft|", "hard|", "RMSE soft|", "hard|", "unit", "gap|")
-    return Section("Curves (gap: of soft and hard, as a share of the span)", columns, tuple(rows))
+    columns = ("curve", "channel", "R2 soft|", "hard|", "RMSE soft|", "hard|", "silence|", "unit", "gap|", "grade")
+    title = "Curves (gap: of soft and hard, as a share of the span)"
+    return Section(title, columns, tuple(rows), GRADES if rows else ())
+
+
+def band_section(curves: Sequence[Curve]) -> Section:
+    """The share of the samples within each band, and within all bands that stand for the same words."""
+    rows = [
+        (
+            curve.condition,
+            curve.channel,
+            f"{(curve.weight > 0).sum()}",
+            *(f"{curve.inside(kind):.1%}" for kind in ("soft", "hard", "silence")),
+            f"{np.abs(curve.distance()[curve.weight > 0]).max():.3g}",
+            _unit(TARGETS[curve.channel].unit),
+            f"{curve.gap:.1%}",
+            curve.grade,
+        )
+        for curve in curves
+        if curve.is_band
+    ]
+    columns = ("band", "channel", "samples|", "within: soft|", "hard|", "silence|", "farthest outside|")
+    columns += ("unit", "gap|", "grade")
+    sentences = tuple(
+        f'"{tally.quote}": {tally.hard:.1%} of {tally.samples} samples within (soft {tally.soft:.1%}), none farther '
+        f"outside than {tally.farthest:.3g}."
+        for tally in tallies(curves)
+    )
+    title = "Bands (gap: of soft and hard, as a share of the span)"
+    return Section(title, columns, tuple(rows), (*sentences, *BAND_GRADES) if rows else ())
 
 
 def _share(r2: float) -> str:

@@ -185,11 +185,19 @@ class Fit:
         bounds = [f"{name} ({value:.4g})" for (name, value), side in sides if side]
         if bounds:
             remarks.append(f"On a bound: {', '.join(bounds)}. Wider bounds may fit better.")
+        u = self.uncertainty
+        if u.absolute and not u.reason and not _report.consistent(u):
+            remarks.append(
+                f"The misfit is not consistent with the errors of the targets (chi2 {u.chi2:.3g} for "
+                f"{u.degrees_of_freedom:.4g} degrees of freedom): the model, or the errors, are wrong, and "
+                "the intervals, which believe them, are too narrow."
+            )
         for curve in self.curves:
-            if not curve.met:
+            if curve.grade == "missed":
+                share = f" and {curve.inside():.0%} of the samples within" if curve.is_band else ""
                 remarks.append(
-                    f"{curve.condition}, {curve.channel}: the model does not meet this target and misses it by "
-                    f"{curve.rmse():.3g} (r.m.s.) at the best fit."
+                    f"{curve.condition}, {curve.channel}: {self._miss} {curve.rmse():.3g} (r.m.s.){share}, "
+                    f"silence by {curve.rmse('silence'):.3g}."
                 )
             if curve.gap > DISAGREEMENT:
                 remarks.append(
@@ -201,6 +209,22 @@ class Fit:
                 f"Rough intervals, within which the curves bend: {', '.join(self.curved)}. Profiles are right."
             )
         return remarks + sentences(self.uncertainty)
+
+    @property
+    def _miss(self) -> str:
+        """How a target that is missed is spoken of: that it cannot be met takes descents that agree."""
+        count = len(self.runs)
+        if "choice" in self.stats:
+            return "this target was not met by the chosen set, which misses it by"
+        if self.best_count > max(count / 2, 1):
+            return (
+                f"the model cannot meet this target within its bounds, as {self.best_count} of {count} descents agree; "
+                "it misses it by"
+            )
+        return (
+            f"this target was not met, and {self.best_count} of {count} descents ended here, so that a wider search "
+            "may do better; it is missed by"
+        )
 
     @property
     def best_count(self) -> int:
@@ -230,6 +254,7 @@ class Fit:
                 u, self.curves, self.stats.get("rules", {})
             ),  # an earlier version wrote no rules
             _report.curve_section(self.curves),
+            _report.band_section(self.curves),
             _report.search_section(
                 self.runs, self.best_count, len(self.screened), self.temperatures, self.loss, self.soft_loss
             ),

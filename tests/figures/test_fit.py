@@ -95,6 +95,25 @@ def test_values_without_neighbours_are_dots(figures):
     np.testing.assert_array_equal(dots.get_xdata(), 10.0 * (np.array([0, 29]) - 15))
 
 
+def test_a_band_is_shaded_and_has_no_line(figures):
+    """An open side reaches to the border of the panel; what does not count is not shaded."""
+    low, upper = np.full(30, 0.5), np.where(np.arange(30) < 20, 0.7, np.inf)
+    weight = np.where(np.arange(30) < 5, 0.0, 1.0)
+    fit_figure("any.png", [curve("a", target=low, upper=upper, weight=weight), curve("b")], "banded")
+    axes = titled(figures[0], "a\n")
+    (shade,) = [area for area in axes.collections if area.get_label() == "target band"]
+    corners = shade.get_paths()[0].vertices
+    assert corners[:, 0].min() == 10.0 * (5 - 15)
+    assert corners[:, 1].min() == 0.5
+    assert corners[:, 1].max() == pytest.approx(axes.get_ylim()[1])
+    assert 0.7 in corners[:, 1]
+    assert "target" not in lines(axes)
+    assert "within (soft" in axes.get_title(loc="left")
+    assert "target band" not in {area.get_label() for area in titled(figures[0], "b\n").collections}
+    (legend,) = figures[0].legends
+    assert {"target", "target band"} <= {words.get_text() for words in legend.get_texts()}
+
+
 def test_axes_have_units_and_channels_share_their_range(figures):
     fit_figure("any.png", [curve("a", "rate"), curve("b", "rate", soft=np.full(30, 3.0)), *two_channels()], "all")
     panels = figures[0].axes
@@ -125,7 +144,8 @@ def test_where_soft_and_hard_differ_the_panel_says_so(figures):
     texts = [[words.get_text() for words in axes.texts] for axes in figures[0].axes]
     assert texts[0] == []
     assert texts[1] == [f"soft ≠ hard, {curve(hard=curve().soft + 0.3).gap:.0%}"]
-    assert "meets 1 of 2 targets" in figures[0].get_suptitle()
+    assert "on 2 targets: 1 good, 1 missed" in figures[0].get_suptitle()
+    assert [axes.get_title(loc="left").split("\n")[1].split(":")[0] for axes in figures[0].axes] == ["good", "missed"]
 
 
 def test_names_may_repeat(figures):

@@ -1,17 +1,18 @@
 """Fits for tests, put together from small arrays: nothing is fitted."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 import lgmd2jax as lgmd
-from lgmd2jax._channels import Channel
+from lgmd2jax._channels import TARGETS, Channel
 from lgmd2jax.fitting import Curve, Fit, Free, Run
 from lgmd2jax.fitting._uncertainty.covariance import linearised_uncertainty
 
 
 def curve(
-    condition: str = "loom", channel: Channel = "smp_adapted", frames: int = 30, seed: int = 0, **changes
+    condition: str = "loom", channel: Channel = "smp_adapted", frames: int = 30, seed: int = 0, **changes: Any
 ) -> Curve:
     """A bump, missed a little by the soft model, of which the hard one is a copy; `changes` replace single arrays."""
     time = 10.0 * (np.arange(frames) - frames // 2)
@@ -25,6 +26,7 @@ def curve(
         "soft": soft,
         "hard": soft.copy(),
         "band": np.full(frames, 0.01),
+        "rest": TARGETS[channel].rest or 0.0,
     }
     return Curve(condition, channel, **(given | changes))
 
@@ -47,9 +49,14 @@ def fit_with(
     screened: Sequence[float] = (1.5, 2.5, 30.0),
     temperatures: tuple[float, ...] = (0.5, 0.2),
     result: str = "converged",
+    absolute: bool = False,
+    misfit: float = 0.3,
     curved: tuple[str, ...] = (),
 ) -> Fit:
-    """A fit that ended at `z`, with the uncertainty of a Jacobian, by default one of full rank."""
+    """A fit that ended at `z`, with the uncertainty of a Jacobian, by default one of full rank.
+
+    `misfit`: standard deviation of the residuals, in standard errors, which are `absolute` or not.
+    """
     p = len(free)
     place = np.full(p, 0.5) if z is None else np.array(z)
     generator = np.random.default_rng(1)
@@ -71,9 +78,9 @@ def fit_with(
             free.unpacked,
             free.slopes(place),
             jacobian,
-            0.3 * generator.normal(size=len(jacobian)),
+            misfit * generator.normal(size=len(jacobian)),
             n_effective=len(jacobian) / 2,
-            absolute=False,
+            absolute=absolute,
         ),
         curved=curved,
         curves=tuple(curves),

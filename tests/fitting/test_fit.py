@@ -251,7 +251,8 @@ def test_degenerate_cases_end_well(looms):
     unreachable = [(stimulus, lgmd.Target("smp_adapted", np.full(len(stimulus.time), 0.9))) for stimulus in looms]
     fit = lgmd.fit(saturated, unreachable, free, key=KEY, **QUICK)
     assert np.isfinite(fit.loss)
-    assert "does not meet this target" in " ".join(fit.remarks())
+    assert "this target" in " ".join(fit.remarks())
+    assert {curve.grade for curve in fit.curves} == {"missed"}
 
 
 def test_the_next_stimulus_is_the_one_that_shows_the_parameter(looms):

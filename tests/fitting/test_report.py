@@ -1,5 +1,6 @@
 """What a report says, that text and HTML say the same, and that its numbers are those of the fit."""
 
+import dataclasses
 import re
 from html.parser import HTMLParser
 
@@ -107,8 +108,49 @@ def parts(fit) -> list[str]:
 
 
 def test_a_good_fit_says_so():
-    good = ["valid", "converged", "none at a bound", "all determined", "soft and hard agree"]
+    good = ["valid", "converged", "errors unknown: scaled to the misfit", "targets: 1 good", "none at a bound"]
+    good += ["all determined", "soft and hard agree"]
     assert parts(fit_with(THREE, [curve()])) == good
+    known = fit_with(THREE, [curve()], absolute=True, misfit=0.7)
+    assert parts(known) == [*good[:2], "misfit consistent with the errors", *good[3:]]
+
+
+def test_a_fit_whose_misfit_no_chance_explains_is_not_valid():
+    fit = fit_with(THREE, [curve()], absolute=True, misfit=1e4)
+    times = np.sqrt(fit.uncertainty.reduced_chi2)
+    assert parts(fit)[0] == "NOT VALID"
+    assert f"misfit {times:.3g} times the errors" in parts(fit)
+    assert any("not consistent with the errors" in remark for remark in fit.remarks())
+    assert not any("not consistent" in remark for remark in fit_with(THREE, [curve()], absolute=True).remarks())
+
+
+def test_where_errors_are_unknown_a_fit_that_misses_a_target_is_not_valid():
+    flat = curve(hard=np.full(30, 0.55))
+    assert parts(fit_with(THREE, [curve(), flat]))[0] == "NOT VALID"
+    assert "targets: 1 good, 1 missed" in parts(fit_with(THREE, [curve(), flat]))
+    believed = fit_with(THREE, [curve(), flat], absolute=True, misfit=0.7)  # its errors are so wide
+    assert parts(believed)[0] == "valid"
+
+
+@pytest.mark.parametrize(
+    ("losses", "said"),
+    [
+        ((1.0, 1.001, 5.0), "cannot meet this target within its bounds, as 2 of 3 descents agree"),
+        ((1.0, 1.001, 5.0, 6.0), "was not met, and 2 of 4 descents ended here"),
+        ((1.0, 3.0, 5.0), "was not met, and 1 of 3 descents ended here"),
+        ((1.0,), "was not met, and 1 of 1 descents ended here"),
+    ],
+)
+def test_that_a_target_cannot_be_met_takes_descents_that_agree(losses, said):
+    missed = curve(hard=np.full(30, 0.55))
+    fit = fit_with(THREE, [missed], runs=[run(loss, free=3) for loss in losses])
+    (remark,) = [remark for remark in fit.remarks() if remark.startswith("loom, smp_adapted: t")]
+    assert said in remark
+    assert f"by {missed.rmse():.3g} (r.m.s.), silence by {missed.rmse('silence'):.3g}." in remark
+    chosen = dataclasses.replace(
+        fit, stats={"choice": {"candidates": 9, "score": 1, "least_loss": 1, "score_of_least_loss": 0}}
+    )
+    assert any("not met by the chosen set" in remark for remark in chosen.remarks())
 
 
 def test_the_status_says_what_is_wrong():
@@ -118,6 +160,8 @@ def test_the_status_says_what_is_wrong():
     assert parts(fit) == [
         "NOT VALID",
         "stopped by hand",
+        "errors unknown: scaled to the misfit",
+        "targets: 1 good, 1 fair",
         "at a bound: T_sp",
         "undetermined: tau1",
         "soft and hard differ in 1 of 2 curves",
@@ -198,9 +242,11 @@ def test_curves_have_their_channel_r2_rmse_and_gap():
     )
     assert float(line[3]) == pytest.approx(1 - 0.01 / np.var(counted), abs=6e-4)
     assert float(line[5]) == pytest.approx(0.1)
-    assert line[6] == "spikes/s"
+    assert float(line[6]) == pytest.approx(shown.rmse("silence"), rel=6e-3)
+    assert line[7] == "spikes/s"
+    assert line[9] == shown.grade
     gap = np.sqrt(np.mean((shown.soft - shown.hard)[10:] ** 2)) / np.ptp(counted)
-    assert float(line[7].rstrip("%")) == pytest.approx(100 * gap, abs=0.06)
+    assert float(line[8].rstrip("%")) == pytest.approx(100 * gap, abs=0.06)
 
 
 def test_a_flat_target_has_no_r2():

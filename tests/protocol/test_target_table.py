@@ -8,6 +8,7 @@ import pytest
 
 import lgmd2jax as lgmd
 from lgmd2jax._protocol.target_table import target
+from lgmd2jax._targets.band import Band
 from lgmd2jax._targets.csv_files import read_target
 from lgmd2jax._targets.looming_law import LoomingLaw
 from lgmd2jax._targets.model_target import ModelTarget
@@ -61,6 +62,18 @@ def test_spike_times(folder):
         ({"law": "rest", "channel": "spikes"}, Rest(channel="spikes")),
         ({"law": "onset", "peak": 0.1, "decay_ms": 90, "at_ms": 30}, Onset(peak=0.1, decay_ms=90, at_ms=30)),
         ({"law": "rest", "weight": 2}, Weighted(Rest(), weight=2)),
+        ({"law": "band", "low": 0.5, "high": float("inf")}, Band(low=0.5, high=float("inf"))),
+        (
+            {
+                "law": "band",
+                "segments_ms": [[-10, 0], [5.5, 9]],
+                "low": 0.5,
+                "high": [0.6, 1],
+                "quote": "q",
+                "error": 0.1,
+            },
+            Weighted(Band(segments_ms=((-10, 0), (5.5, 9)), low=0.5, high=(0.6, 1), quote="q"), error=0.1),
+        ),
     ],
 )
 def test_laws(folder, table, expected):
@@ -130,6 +143,12 @@ MISTAKES = [
     (LAW | {"alpha": -2}, "alpha is -2.0; give a positive number"),
     (LAW | {"channel": "smpp"}, "channel is 'smpp'; choose 'smp' or"),
     ({"law": "onset", "peak": 1, "decay_ms": 0}, "decay_ms is 0.0 ms"),
+    ({"law": "band", "low": 0.5}, "high is missing"),
+    ({"law": "band", "low": 0.7, "high": 0.6}, "low is 0.7 and high 0.6 in segment 1; swap them"),
+    ({"law": "band", "low": [0.5, "x"], "high": 0.6}, r"low is \[0.5, 'x'\]; give a list of numbers"),
+    ({"law": "band", "low": 0.5, "high": 0.6, "quote": 3}, "quote is 3; give a text"),
+    ({"law": "band", "low": 0.5, "high": 0.6, "segments_ms": 3}, r"segments_ms is 3.0; give \[start, end\] of each"),
+    ({"law": "band", "low": 0.5, "high": 0.6, "segments_ms": [[0, "end"]]}, "give a list of numbers"),
     ({"spikes": "spikes.csv", "channel": "smp"}, "channel is 'smp'; of spike times it is 'rate'"),
     ({"spikes": "spikes.csv", "kernel_ms": 0}, "spikes.csv: kernel_ms is 0.0 ms; give a positive number"),
     ({"spikes": "spikes.csv", "trail": "a"}, "unknown key 'trail'; did you mean 'trial'"),

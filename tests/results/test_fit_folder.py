@@ -56,6 +56,16 @@ def test_what_was_written_comes_back(fit, folder):
         again.profile("tau1")
 
 
+def test_grade_and_silence_of_every_target_and_the_status_are_data(fit, folder):
+    content = json.loads((folder / "fit.json").read_text())
+    assert content["status"] == list(fit.status)
+    for entry, shown in zip(content["curves"], fit.curves, strict=True):
+        assert entry["grade"] == shown.grade
+        assert entry["rmse"]["silence"] == shown.rmse("silence") > 0
+    for name in ("report.txt", "report.html"):
+        assert "silence" in (folder / name).read_text(encoding="utf-8")
+
+
 def test_the_old_name_of_the_notes_still_works(fit, tmp_path):
     with pytest.warns(DeprecationWarning, match=r"save_fit\(made=...\) is now save_fit\(notes=...\)"):
         lgmd.save_fit(fit, tmp_path / "old", made={"digest": "abc"})
@@ -73,6 +83,28 @@ def test_curves_are_a_table(folder):
     assert len(rows) == 90
     assert rows[0]["sem"] == ""
     assert rows[-1]["sem"] == "2"
+
+
+def test_bands_come_back(fit, tmp_path):
+    """Edges, also open ones, and words; beside them a curve stays a curve."""
+    upper = np.where(np.arange(30) < 10, np.inf, 0.95)
+    band = curve(target=np.where(np.arange(30) < 10, 0.5, -np.inf), upper=upper, quote='quiet, "weak" and brief')
+    banded = dataclasses.replace(fit, curves=(band, curve(seed=1)))
+    lgmd.save_fit(banded, tmp_path / "banded")
+    again = lgmd.load_fit(tmp_path / "banded")
+    assert again.curves[0].quote == band.quote
+    np.testing.assert_array_equal(again.curves[0].target, band.target)
+    np.testing.assert_array_equal(again.curves[0].upper, upper)
+    assert not again.curves[1].is_band
+    assert again.summary() == banded.summary()
+    content = json.loads((tmp_path / "banded/fit.json").read_text())
+    assert content["curves"][0]["within"]["hard"] == band.inside()
+    assert "within" not in content["curves"][1]
+    (words,) = content["words"]
+    assert words["quote"] == band.quote
+    assert words["samples"] == 30
+    assert words["hard"] == band.inside()
+    assert words["farthest"] == np.abs(band.distance()).max()
 
 
 def test_soft_thresholds_come_back(fit, tmp_path):

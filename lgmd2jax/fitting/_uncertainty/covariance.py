@@ -38,6 +38,12 @@ class Uncertainty:
     - `variance`: of a residual; 1 where the errors are `absolute`, else the reduced chi2.
     - `n_effective`: independent samples, `degrees_of_freedom` those that are left. `chi2`, `reduced_chi2`, `aic`,
       `bic`: of independent samples (definitions as in lmfit).
+
+    Of a band, a sample within says that the response lies there and no more. It adds nothing to chi2 and to the
+    information, and leaves no degree of freedom, so that samples within do not make the residual variance of those
+    outside look small. `n_effective` counts it, since BIC asks how much was asked of the model. With bands -2 ln L is
+    chi2 by the errors that were given (a density flat within the band, with Gaussian flanks), and AIC and BIC are chi2
+    and their penalties; lmfit's n ln(chi2/n) would ask for the variance of samples of which most have none.
     - `reason`: empty, or why there are no errors.
     """
 
@@ -77,6 +83,7 @@ def linearised_uncertainty(
     n_effective: float | int,
     absolute: bool,
     priors: int = 0,
+    inside: float | None = None,
 ) -> Uncertainty:
     """Covariance by Gauss and Newton: variance (J^T J)^-1.
 
@@ -87,13 +94,16 @@ def linearised_uncertainty(
       rows are penalties: each saves a degree of freedom, and keeps its own width whatever the residual variance.
     - `n_effective`: how many independent samples the rows make; correlated ones are fractions, weighed as such.
     - `absolute`: errors are known; otherwise the residual variance is their scale.
+    - `inside`: how many of the independent samples lie within a band; None where no target is one.
     """
     count, data = len(names), len(residuals) - priors
     chi2 = float(np.square(residuals[:data]).sum())
-    degrees = n_effective - max(count - priors, 0)
+    degrees = n_effective - (inside or 0) - max(count - priors, 0)
     reduced = chi2 / degrees if degrees > 0 else np.nan
     variance = 1.0 if absolute else reduced
     likelihood = n_effective * np.log(max(chi2 / n_effective, 1e-250)) if n_effective else np.nan
+    if inside is not None:
+        likelihood = chi2
 
     on_bound = np.where(z <= _ON_BOUND, -1, np.where(z >= 1 - _ON_BOUND, 1, 0))
     reason = _reason(jacobian, residuals, variance)
