@@ -150,8 +150,9 @@ def commands(place: Path) -> tuple[Command, ...]:
 def write_clip(path: Path, frames: int, size: tuple[int, int]) -> None:
     """A moving test picture of ffmpeg, as a video of this many frames at 30 a second. `size`: columns, rows."""
     import av
+    from av.filter import Graph
 
-    graph = av.filter.Graph()
+    graph = Graph()
     source = graph.add("testsrc2", f"size={size[0]}x{size[1]}:rate=30")
     sink = graph.add("buffersink")
     source.link_to(sink)
@@ -182,7 +183,7 @@ class Runner:
         """The exit status and the seconds that it took."""
         began, process = time.monotonic(), self.start(arguments, log)
         process.join()
-        return process.exitcode, time.monotonic() - began
+        return int(process.exitcode or 0), time.monotonic() - began
 
 
 def _run(arguments: tuple[str, ...], log: Path) -> None:

@@ -90,7 +90,7 @@ class Study:
             folder.mkdir()
         process = self.runner.start(self.command.at(folder), self._log)
         process.join(share * self._seconds)
-        if process.is_alive():
+        if process.pid is not None and process.is_alive():
             os.kill(process.pid, kind)
         process.join()
         what = f"{self.command.name:14} {kind.name:8} at {share:4.0%}, exit status {process.exitcode:4}"

@@ -30,7 +30,8 @@ def checked_client(client: Any) -> "Client":
 
     if not isinstance(client, Client):
         raise ValueError(f"client is {client!r:.60}; give a dask.distributed.Client")
-    for worker, versions in client.run(running_versions, on_error="return").items():
+    answers: Any = client.run(running_versions, on_error="return")
+    for worker, versions in answers.items():
         _check_versions(worker, str(versions), running_versions())  # of a worker without this function an exception
     return client
 

@@ -70,8 +70,7 @@ def sweep(
     need("xarray", extra="sweep")
     grid = read_grid(model, renderer, eye, parameters, arguments)
     blocks = plan_blocks(grid, check_channels(channels), block)
-    is_read = store is None or is_complete(blocks, store)
-    with contextlib.nullcontext() if is_read else locked(store):
+    with contextlib.nullcontext() if store is None or is_complete(blocks, store) else locked(store):
         results = Memory(blocks) if store is None else Store(blocks, store)
         left = results.missing()
         total = sum(blocks.size(number) for number in blocks.numbers())

@@ -142,7 +142,7 @@ def test_other_bounds_priors_and_factors_compile_nothing(looms):
     """A trace comes before every compilation; JAX tells of each."""
     traces = []
 
-    def listen(event, seconds, **about):
+    def listen(event: str, duration: float, **about: str | int):
         if event == "/jax/core/compile/jaxpr_trace_duration":
             traces.append(about.get("fun_name"))
 
@@ -176,9 +176,10 @@ def test_the_memory_of_another_fit_is_refused_and_kept(looms, other):
             if key == "screening 0":
                 raise KeyboardInterrupt
 
-    soft, memory, quick = lgmd.Soft(1.0), Interrupted(), QUICK | {"pixel_points": 1}
+    soft, memory = lgmd.Soft(1.0), Interrupted()
+    quick: dict[str, Any] = QUICK | {"pixel_points": 1}
     lgmd.fit(model_of(soft), conditions(looms, model_of(soft, **TRUTH)), FREE, key=KEY, **quick, memory=memory)
-    changed = {
+    changed: dict[str, tuple[Any, ...]] = {
         "data": (model_of(soft), conditions(looms, model_of(soft, k=0.5)), FREE, quick),
         "bounds": (model_of(soft), conditions(looms, model_of(soft, **TRUTH)), FREE.also(k=(0.1, 2.1)), quick),
         "model": (model_of(soft, sigma_sp=0.2), conditions(looms, model_of(soft, **TRUTH)), FREE, quick),

@@ -36,9 +36,10 @@ class Profile:
     @classmethod
     def of(cls, plain: Mapping[str, Any]) -> "Profile":
         """From plain data, as JSON gives it back."""
-        arrays = {name: np.array(plain[name], float) for name in ("values", "rise")}
-        ends = {name: tuple(plain[name]) for name in ("interval", "is_open")}
-        return cls(**arrays, **ends, limit=plain["limit"])
+        low, high = plain["interval"]
+        below, above = plain["is_open"]
+        values, rise = (np.array(plain[name], float) for name in ("values", "rise"))
+        return cls(values, rise, (low, high), (below, above), plain["limit"])
 
     def plain(self) -> dict[str, Any]:
         """As plain data."""
