@@ -7,6 +7,7 @@ import sys
 import time
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 PROTOCOL = """
 [eye]
@@ -161,7 +162,8 @@ def write_clip(path: Path, frames: int, size: tuple[int, int]) -> None:
         stream = container.add_stream("libx264", rate=30, options={"preset": "ultrafast", "g": "300"})
         stream.width, stream.height, stream.pix_fmt = *size, "yuv420p"
         for _ in range(frames):
-            container.mux(stream.encode(graph.pull().reformat(format="yuv420p")))
+            frame: Any = graph.pull()
+            container.mux(stream.encode(frame.reformat(format="yuv420p")))
         container.mux(stream.encode(None))
 
 

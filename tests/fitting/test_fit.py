@@ -142,9 +142,9 @@ def test_other_bounds_priors_and_factors_compile_nothing(looms):
     """A trace comes before every compilation; JAX tells of each."""
     traces = []
 
-    def listen(event: str, duration: float, **about: str | int):
+    def listen(event: str, duration: float, **kwargs: str | int):
         if event == "/jax/core/compile/jaxpr_trace_duration":
-            traces.append(about.get("fun_name"))
+            traces.append(kwargs.get("fun_name"))
 
     soft = lgmd.Soft(1.0)
     model, pairs = model_of(soft), conditions(looms, model_of(soft, **TRUTH), noise=0.01, key=KEY)
