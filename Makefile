@@ -12,7 +12,7 @@ fit: $(VENV)/ready
 
 # What fits/ shows: the same fits, written where git keeps them.
 gallery: $(VENV)/ready
-	for recipe in lgmd2 twin dcmd video; do $(VENV)/bin/lgmd2jax fit fits/$$recipe.toml || exit 1; done
+	for recipe in lgmd2 table1 twin dcmd video; do $(VENV)/bin/lgmd2jax fit fits/$$recipe.toml || exit 1; done
 
 test: $(VENV)/ready
 	$(VENV)/bin/python -m pytest -n 2 --dist loadfile

@@ -24,6 +24,8 @@ def claims(run) -> Iterator[Claim]:
     wanted = [
         *[("jacobian", "forward soft", size, 4.0) for size in (LARGE, SMALL)],
         *[("gradient", "forward soft", size, 4.5) for size in (LARGE, SMALL)],
+        *[(f"forward {kind}, mechanisms", f"forward {kind}", SMALL, 1.35) for kind in ("hard", "soft")],
+        ("jacobian, mechanisms", "forward soft", SMALL, 4.5),
         *[("forward hard", "numba loop", size, 1.5) for size in (LARGE, ROBOT)],
         ("batch, best", "numba loop", SMALL, 1.0),
         *[("forward hard", "PyTorch", size, 1 / 3) for size in (LARGE, ROBOT, SMALL)],

@@ -20,9 +20,13 @@ def _of_parameters(function) -> Callable:
     return lambda *inputs: jax.block_until_ready(jitted(given, *inputs))
 
 
-def forward(thresholds: lgmd.Thresholds) -> Callable:
+def forward(thresholds: lgmd.Thresholds, mechanisms: tuple[str, ...] = ()) -> Callable:
     """The response."""
-    return _of_parameters(lambda parameters, frames: lgmd.LGMD2(parameters, thresholds)(frames, FPS))
+
+    def respond(parameters, frames):
+        return lgmd.LGMD2(parameters, thresholds, mechanisms=mechanisms)(frames, FPS)
+
+    return _of_parameters(respond)
 
 
 def exact(model: lgmd.LGMD2, frames, interval):
@@ -50,11 +54,12 @@ def gradient(pixel_stage=exact) -> Callable:
     return _of_parameters(jax.grad(loss(pixel_stage)))
 
 
-def jacobian(pixel_stage=exact) -> Callable:
+def jacobian(pixel_stage=exact, mechanisms: tuple[str, ...] = ()) -> Callable:
     """The derivatives of MP(t) and F(t) with soft thresholds by all parameters."""
 
     def sums(parameters, frames):
-        return pixel_stage(lgmd.LGMD2(parameters, lgmd.Soft()), frames, jnp.float32(1000 / FPS))
+        model = lgmd.LGMD2(parameters, lgmd.Soft(), mechanisms=mechanisms)
+        return pixel_stage(model, frames, jnp.float32(1000 / FPS))
 
     return _of_parameters(jax.jacfwd(sums))
 

@@ -88,13 +88,16 @@ class Run:
 
 
 def library_subjects(size: Size) -> dict[str, Subject]:
-    """The library, and plain differentiation of its scan."""
+    """The library, with all mechanisms too, and plain differentiation of its scan."""
     frames = jnp.asarray(film(size, FRAMES))
     made = {
         "forward hard": _library.forward(lgmd.Hard()),
+        "forward hard, mechanisms": _library.forward(lgmd.Hard(), lgmd.MECHANISMS),
         "forward soft": _library.forward(lgmd.Soft()),
+        "forward soft, mechanisms": _library.forward(lgmd.Soft(), lgmd.MECHANISMS),
         "gradient": _library.gradient(),
         "jacobian": _library.jacobian(),
+        "jacobian, mechanisms": _library.jacobian(mechanisms=lgmd.MECHANISMS),
         "naive gradient": _library.naive_gradient(),
         "naive jacobian": _library.naive_jacobian(),
     }

@@ -3,6 +3,7 @@
 python -m benchmarks.twins --count 100           soft targets at temperature 1: the parameters must come back
 python -m benchmarks.twins --hard --count 20     hard targets: the handed-over hard model must give the same curves
 python -m benchmarks.twins --noise .002 --count 200   noise: 95 % intervals must cover the truth
+python -m benchmarks.twins --mechanisms ...      the same of the circuit with all mechanisms, with their parameters
 """
 
 import argparse
@@ -17,13 +18,41 @@ from tqdm import tqdm
 
 import lgmd2jax as lgmd
 
-FREE = lgmd.Free(
-    theta1=None, theta2=None, theta3=None, tau1=None, tau2=None, tau3=None, w_bias=None, T_sp=None
-)  # fmt: skip
 SEARCH: dict[str, Any] = {"pixel_points": 32, "cell_points": 512, "descend": 2}  # enough for a soft set
 PRECISE = 0.1  # of a parameter's range, below which its standard error must lie to be called well determined
 MIDDLE = 0.7  # of each parameter's bounds, from which truths are drawn
 SPIKE_ERROR = 10.0  # spikes are counted, not measured: a difference of one weighs as .1 in the potential
+
+
+@dataclasses.dataclass(frozen=True)
+class Circuit:
+    """What is fitted: a network, which has the values of what stays fixed, and what is free."""
+
+    network: lgmd.LGMD2
+    free: lgmd.Free
+
+    def truth(self, seed: int) -> dict[str, float]:
+        """A random set from the middle of the declared bounds."""
+        rng = np.random.default_rng(seed)
+        return {
+            freedom.name: freedom.low + (freedom.high - freedom.low) * rng.uniform(0.5 - MIDDLE / 2, 0.5 + MIDDLE / 2)
+            for freedom in self.free.freedoms
+        }
+
+    def model(self, values: dict[str, float], thresholds: lgmd.Thresholds) -> lgmd.LGMD2:
+        """The network with these values."""
+        parameters = dataclasses.replace(self.network.parameters, **values)
+        return dataclasses.replace(self.network, parameters=parameters, thresholds=thresholds)
+
+
+FREE = lgmd.Free(
+    theta1=None, theta2=None, theta3=None, tau1=None, tau2=None, tau3=None, w_bias=None, T_sp=None
+)  # fmt: skip
+PLAIN = Circuit(lgmd.LGMD2(), FREE)
+WITH_MECHANISMS = Circuit(
+    lgmd.LGMD2(mechanisms=lgmd.MECHANISMS),
+    FREE.also(T_p=None, tau_hold=None, A_ffi=None, m=None, gamma=None, lag=None, tau_cell=None),
+)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -72,27 +101,17 @@ def eye_of(degrees_per_pixel: float) -> lgmd.Eye:
     return lgmd.Eye(round(96 / degrees_per_pixel), round(128 / degrees_per_pixel), degrees_per_pixel, 30.0)
 
 
-def truth_of(seed: int) -> lgmd.Parameters:
-    """A random set from the middle of the declared bounds."""
-    rng = np.random.default_rng(seed)
-    return lgmd.Parameters(
-        **{
-            name: low + (high - low) * rng.uniform(0.5 - MIDDLE / 2, 0.5 + MIDDLE / 2)
-            for name, (low, high) in ((name, lgmd.symbols()[name].bounds) for name in FREE.names)
-        }
-    )
-
-
 def curves(model: lgmd.AbstractNetwork, shown: list[lgmd.Stimulus]) -> list[lgmd.Response]:
     """The responses to all stimuli."""
     return [model(stimulus.frames, stimulus.fps) for stimulus in shown]
 
 
-def twin(seed: int, thresholds: lgmd.Thresholds, shown: list[lgmd.Stimulus], **settings) -> Twin:
+def twin(
+    seed: int, thresholds: lgmd.Thresholds, shown: list[lgmd.Stimulus], circuit: Circuit = PLAIN, **settings
+) -> Twin:
     """Fit the curves of a random parameter set."""
-    began = time.monotonic()
-    truth = truth_of(seed)
-    answered = curves(lgmd.LGMD2(truth, thresholds), shown)
+    began, truth = time.monotonic(), circuit.truth(seed)
+    answered = curves(circuit.model(truth, thresholds), shown)
     conditions = [
         (
             stimulus,
@@ -103,16 +122,18 @@ def twin(seed: int, thresholds: lgmd.Thresholds, shown: list[lgmd.Stimulus], **s
         )
         for stimulus, response in zip(shown, answered, strict=True)
     ]
-    fit = lgmd.fit(lgmd.LGMD2(thresholds=thresholds), conditions, FREE, key=jax.random.key(seed), **settings)
-    found = curves(fit.model, shown)
-    potential = [(a.smp_adapted - b.smp_adapted) for a, b in zip(found, answered, strict=True)]
-    miscounted = [np.abs(a.spikes - b.spikes) >= 0.5 for a, b in zip(found, answered, strict=True)]
-    values = {name: float(getattr(truth, name)) for name in FREE.names}
+    start = circuit.model({}, thresholds)
+    fit = lgmd.fit(start, conditions, circuit.free, key=jax.random.key(seed), **settings)
+    fitted = curves(fit.model, shown)
+    potential = [(a.smp_adapted - b.smp_adapted) for a, b in zip(fitted, answered, strict=True)]
+    miscounted = [np.abs(a.spikes - b.spikes) >= 0.5 for a, b in zip(fitted, answered, strict=True)]
     return Twin(
         seed=seed,
-        truth=values,
+        truth=truth,
         fit=fit,
-        off=max(abs(fit.values[it.name] - values[it.name]) / (it.high - it.low) for it in FREE.freedoms),
+        off=max(
+            abs(fit.values[free.name] - truth[free.name]) / (free.high - free.low) for free in circuit.free.freedoms
+        ),
         rmse=float(np.sqrt(np.mean(np.square(potential)))),
         miscounted=float(np.mean(miscounted)),
         seconds=time.monotonic() - began,
@@ -120,14 +141,14 @@ def twin(seed: int, thresholds: lgmd.Thresholds, shown: list[lgmd.Stimulus], **s
 
 
 def covered(
-    seed: int, noise: float, shown: list[lgmd.Stimulus], **settings
+    seed: int, noise: float, shown: list[lgmd.Stimulus], circuit: Circuit = PLAIN, **settings
 ) -> tuple[Bool[np.ndarray, " free"], Bool[np.ndarray, " free"]]:
     """Fit the curves of a random soft set, with noise on the potential and on the spikes.
 
     **Returns:** by parameter, whether its 95 % interval holds the truth, and whether the fit calls it well determined:
     neither undetermined nor rough, within a tenth of its range.
     """
-    truth, thresholds, rng = truth_of(seed), lgmd.Soft(1.0), np.random.default_rng(seed)
+    truth, thresholds, rng = circuit.truth(seed), lgmd.Soft(1.0), np.random.default_rng(seed)
 
     def noisy(channel: Literal["smp_adapted", "spikes"], curve, error: float) -> lgmd.Target:
         return lgmd.Target(channel, np.asarray(curve) + error * rng.standard_normal(len(curve)), error=error)
@@ -140,12 +161,13 @@ def covered(
                 noisy("spikes", response.spikes, SPIKE_ERROR * noise),
             ],
         )
-        for stimulus, response in zip(shown, curves(lgmd.LGMD2(truth, thresholds), shown), strict=True)
+        for stimulus, response in zip(shown, curves(circuit.model(truth, thresholds), shown), strict=True)
     ]
-    fit = lgmd.fit(lgmd.LGMD2(thresholds=thresholds), conditions, FREE, key=jax.random.key(seed), **settings)
-    u, values = fit.uncertainty, np.array([float(getattr(truth, name)) for name in FREE.names])
+    start = circuit.model({}, thresholds)
+    fit = lgmd.fit(start, conditions, circuit.free, key=jax.random.key(seed), **settings)
+    u, values = fit.uncertainty, np.array(list(truth.values()))
     straight = np.array([name not in fit.curved for name in u.names])
-    within = u.standard_errors < PRECISE * np.array([it.high - it.low for it in FREE.freedoms])
+    within = u.standard_errors < PRECISE * np.array([free.high - free.low for free in circuit.free.freedoms])
     return (u.intervals[:, 0] <= values) & (values <= u.intervals[:, 1]), u.determined & straight & within
 
 
@@ -153,29 +175,31 @@ def main() -> None:
     """Run a study and print a line for each twin."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--hard", action="store_true", help="hard targets")
+    parser.add_argument("--mechanisms", action="store_true", help="the circuit with all mechanisms")
     parser.add_argument("--noise", type=float, help="standard deviation of noise on the potential: coverage")
     parser.add_argument("--count", type=int, default=20, help="parameter sets (default: %(default)s)")
     parser.add_argument("--first", type=int, default=0, help="seed of the first one (default: %(default)s)")
     parser.add_argument("--degrees-per-pixel", type=float, default=4.0, help="raster (default: %(default)s)")
     options = parser.parse_args()
     jax.config.update("jax_enable_x64", True)
-    shown = stimuli(eye_of(options.degrees_per_pixel))
+    shown, circuit = stimuli(eye_of(options.degrees_per_pixel)), WITH_MECHANISMS if options.mechanisms else PLAIN
     seeds = tqdm(range(options.first, options.first + options.count), unit="twin")
     if options.noise:
-        held, known = np.moveaxis(np.array([covered(seed, options.noise, shown, **SEARCH) for seed in seeds]), 1, 0)
-        for name, holds, judged in zip(FREE.names, held.T, known.T, strict=True):
+        pairs = np.array([covered(seed, options.noise, shown, circuit, **SEARCH) for seed in seeds])
+        held, known = np.moveaxis(pairs, 1, 0)
+        for name, holds, judged in zip(circuit.free.names, held.T, known.T, strict=True):
             share, count = holds[judged].mean(), judged.sum()
             print(f"{name:8} covered {share:6.1%} of {count:3} well determined, {holds.mean():6.1%} of all")
         return
     thresholds = lgmd.Hard() if options.hard else lgmd.Soft(1.0)
     good = 0
     for seed in seeds:
-        it = twin(seed, thresholds, shown)
-        holds = (it.rmse <= 0.01 and it.miscounted <= 0.02) if options.hard else it.off <= 0.01
+        result = twin(seed, thresholds, shown, circuit)
+        holds = (result.rmse <= 0.01 and result.miscounted <= 0.02) if options.hard else result.off <= 0.01
         good += holds
         tqdm.write(
-            f"{seed:4}  {'holds' if holds else 'FAILS'}  largest difference {it.off:8.2%} of the range   "
-            f"RMSE {it.rmse:.5f}   other spike counts {it.miscounted:6.2%}   {it.seconds:5.1f} s"
+            f"{seed:4}  {'holds' if holds else 'FAILS'}  largest difference {result.off:8.2%} of the range   "
+            f"RMSE {result.rmse:.5f}   other spike counts {result.miscounted:6.2%}   {result.seconds:5.1f} s"
         )
     print(f"{good} of {options.count} hold")
 

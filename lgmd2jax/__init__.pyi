@@ -11,6 +11,7 @@ from ._eye import Eye as Eye
 from ._handover.model_file import load as load, save as save
 from ._network.abstract import AbstractNetwork as AbstractNetwork, Response as Response, State as State
 from ._network.lgmd2 import ABLATIONS as ABLATIONS, LGMD2 as LGMD2, MECHANISMS as MECHANISMS
+from ._network.noise import inhibition_in_noise as inhibition_in_noise
 from ._network.parameter_set import ParameterSet as ParameterSet, declares as declares, scalar as scalar
 from ._network.parameters import (
     PRESETS as PRESETS,
@@ -29,13 +30,14 @@ from ._network.thresholds import (
     Thresholds as Thresholds,
     Widths as Widths,
 )
-from ._network.variants import ablate as ablate, at_frame_rate as at_frame_rate
+from ._network.variants import ablate as ablate, at_eye as at_eye, at_frame_rate as at_frame_rate
 from ._network.yue_rind import (
     YueRindLayers as YueRindLayers,
     YueRindLGMD1 as YueRindLGMD1,
     YueRindParameters as YueRindParameters,
 )
-from ._protocol.protocol import Condition as Condition, Protocol as Protocol, load_protocol as load_protocol
+from ._protocol.condition import Condition as Condition, Protocol as Protocol
+from ._protocol.protocol import load_protocol as load_protocol
 from ._recipes.fit import Recipe as Recipe
 from ._recipes.load import load_recipe as load_recipe
 from ._recipes.sweep import SweepRecipe as SweepRecipe

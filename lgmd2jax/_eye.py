@@ -12,6 +12,7 @@ from jaxtyping import Array, Float, ScalarLike
 from lgmd2jax._words import nearest
 
 PROJECTIONS = ("equidistant", "pinhole")
+PRESETS = ("paper", "colias", "locust")
 _EDGE = 89.0  # degrees; what is seen further from the axis lies outside of every flat image
 
 
@@ -94,14 +95,13 @@ class Eye:
 
         **Raises:** `ValueError` for another name.
         """
-        presets = {
-            "paper": cls(240, 320, None, 30.0),
-            "colias": cls.from_field_of_view(72, 99, 70.0, 30.0, "pinhole"),
-            "locust": cls(48, 64, 2.0, 100.0),
-        }
-        if name not in presets:
-            raise ValueError(f"eye is {name!r}; choose {nearest(name, presets)}")
-        return presets[name]
+        if name not in PRESETS:
+            raise ValueError(f"eye is {name!r}; choose {nearest(name, PRESETS)}")
+        if name == "paper":
+            return cls(240, 320, None, 30.0)
+        if name == "colias":
+            return cls.from_field_of_view(72, 99, 70.0, 30.0, "pinhole")
+        return cls(48, 64, 2.0, 100.0)
 
     @property
     def pixels_per_degree(self) -> float:
@@ -120,6 +120,17 @@ class Eye:
             return self.rows * self._degrees_per_pixel, self.cols * self._degrees_per_pixel
         height, width = (2 * math.degrees(math.atan(size / 2 / self.focal_px)) for size in (self.rows, self.cols))
         return height, width
+
+    @property
+    def field_area(self) -> float:
+        """What is seen, in square degrees, each pixel as large as the central one.
+
+        So an object in the middle of the field, of an angular size, takes the same share of the pixels in each
+        projection.
+
+        **Raises:** `ValueError` for an eye that is known in pixels alone.
+        """
+        return self.rows * self.cols * self._degrees_per_pixel**2
 
     def project(self, degrees: ScalarLike | Float[Array, " time"]) -> Array:
         """Distance from the image's centre, in pixels, of what is seen `degrees` off the axis.

@@ -1,7 +1,10 @@
-"""Words of errors and of warnings."""
+"""Words of errors and of warnings; and which errors are a user's."""
 
+import contextlib
 import difflib
 import warnings
+from collections.abc import Iterable, Iterator
+from opcode import opname
 
 
 class Remark(UserWarning):
@@ -12,12 +15,39 @@ class UnfinishedWarning(Remark):
     """A fit was stopped before all that was asked for was done."""
 
 
-def nearest(name: str, known) -> str:
-    """The valid names, the likeliest first, for an error message."""
-    names = sorted(known, key=lambda other: -difflib.SequenceMatcher(None, str(name), other).ratio())
+def nearest(name: str, known: Iterable[str], count: int | None = None) -> str:
+    """The valid names, the likeliest first, for an error message: all, or so many of them."""
+    names = sorted(known, key=lambda other: -difflib.SequenceMatcher(None, str(name), other).ratio())[:count]
     return " or ".join(repr(other) for other in names)
 
 
 def warn_renamed(old: str, new: str) -> None:
     """Warn the caller of the function that calls this one that an old name is used."""
     warnings.warn(f"{old} is now {new}; the old name will be removed", DeprecationWarning, stacklevel=3)
+
+
+def is_refusal(error: BaseException) -> bool:
+    """Whether a `raise` statement of this package made the error, and so wrote its message for the user.
+
+    What Python or another package raises is a fault of the program, also where a line of ours asked for it. The
+    instruction tells the two apart, since JAX cuts its own frames out of a traceback.
+    """
+    innermost = error.__traceback__
+    while innermost is not None and innermost.tb_next is not None:
+        innermost = innermost.tb_next
+    if innermost is None:
+        return False
+    package = innermost.tb_frame.f_globals.get("__name__", "").partition(".")[0]
+    instruction = innermost.tb_frame.f_code.co_code[innermost.tb_lasti]
+    return package == "lgmd2jax" and opname[instruction] == "RAISE_VARARGS"
+
+
+@contextlib.contextmanager
+def within(place: str) -> Iterator[None]:
+    """Name the place in every refusal that leaves the block. A fault of the library leaves it as it is."""
+    try:
+        yield
+    except ValueError as error:
+        if not is_refusal(error):
+            raise
+        raise ValueError(f"{place}: {error}") from error

@@ -146,6 +146,8 @@ class HardLGMD2:
         **Raises:** `ValueError` for a frame of the wrong shape or not finite, and for an interval that is not positive;
         the state stays as it was.
         """
+        if isinstance(frame, np.ma.MaskedArray):
+            raise ValueError("frame is masked; fill what is masked with a grey level first: frame.filled(128)")
         try:
             frame = np.array(
                 frame, dtype=float

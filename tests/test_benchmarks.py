@@ -5,9 +5,10 @@ import itertools
 import jax
 import numpy as np
 import pytest
+import xarray
 
 import lgmd2jax as lgmd
-from benchmarks import _kernels, _peers
+from benchmarks import _kernels, _peers, threshold_angle
 from benchmarks._task import FPS, PARAMETERS, VALUES, Size, film
 from benchmarks._timing import time_together
 from lgmd2jax.hard import HardLGMD2
@@ -104,3 +105,21 @@ def test_kernels_are_those_of_the_pixel_loop():
   %copy.2 = f32[3,3]{1,0} copy(%map)
   ROOT %next = (s32[], f32[3,3]{1,0}) tuple(%map, %moved.1)"""
     assert _kernels.count_instructions(loop) == {"copy": 1, "fusion": 1}
+
+
+def test_the_threshold_angle_of_a_cell_that_obeys_the_law_is_one():
+    """Peaks 4.4 l/|v| - 35 ms before the collision: 35 are the allowance, so the angle is 2 atan(1/4.4)."""
+    time = np.arange(-500, 41) * 10.0
+    moment = 35 - 4.4 * threshold_angle.L_OVER_V
+    course = np.exp(-(((time - moment[:, None]) / 40) ** 2) / 2)
+    axes = {"contrast": threshold_angle.CONTRASTS, "l_over_v": threshold_angle.L_OVER_V, "time": time}
+    responses = xarray.DataArray(0.3 * np.tile(course, (len(threshold_angle.CONTRASTS), 1, 1)), axes)
+    surfaces = threshold_angle.surfaces_of(responses, threshold_angle.reference_of(responses))
+    np.testing.assert_allclose(surfaces.angle, 2 * np.degrees(np.arctan(1 / 4.4)), atol=0.3)
+    np.testing.assert_allclose(surfaces.peak, 1, atol=0.01)
+    np.testing.assert_allclose(surfaces.fall, 40 * np.sqrt(2 * np.log(2)), atol=2)
+    assert threshold_angle.most_within(surfaces.angle, 1.0) == 1
+
+
+def test_the_largest_share_within_a_window():
+    assert threshold_angle.most_within(np.array([[0.0, 10.0], [11.0, 14.9]]), 5.0) == 0.75

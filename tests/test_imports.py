@@ -12,7 +12,7 @@ import pytest
 
 import lgmd2jax as lgmd
 
-HEAVY = ["matplotlib", "skimage", "pandas", "xarray", "scipy.stats"]
+HEAVY = ["matplotlib", "skimage", "pandas", "pydantic", "xarray", "scipy.stats"]
 
 
 def loaded(program, names):
@@ -31,7 +31,7 @@ before = state()
 import lgmd2jax
 assert state() == before
 """
-    assert loaded(program, ["jax", "numpy", "argparse", "lgmd2jax.fitting", "lgmd2jax.stimuli"]) == []
+    assert loaded(program, ["jax", "numpy", "argparse", "pydantic", "lgmd2jax.fitting", "lgmd2jax.stimuli"]) == []
 
 
 def test_the_model_the_fit_and_the_stimuli_need_no_figures_photographs_or_tables():

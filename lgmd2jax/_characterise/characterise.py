@@ -52,16 +52,17 @@ def characterise(
     return dataclasses.replace(result, selectivity=estimates)
 
 
-def ablations(model: AbstractNetwork, *, progress: bool = False) -> dict[str, Characterisation]:
-    """The exam on the model as it is and without FFI, SFA, lateral inhibition, ON pathway, each judged as the whole is.
+def ablations(model: AbstractNetwork, *mechanisms: str, progress: bool = False) -> dict[str, Characterisation]:
+    """The exam on the model as it is and without one mechanism each, judged as the whole is.
 
-    What a model does not have is not taken out: the LGMD1 of Yue & Rind has neither SFA nor pathways.
+    **Arguments:** `mechanisms`: which, as of `ablate`; by default all that the model has. What changes the structure,
+    as taking size-coding inhibition out, compiles anew.
 
-    **Raises:** `ValueError` as for `characterise`.
+    **Raises:** `ValueError` as for `characterise`, and for a mechanism that the model does not have.
     """
     exam, neuron = exam_of(_usable(model)), _neuron(model)
-    mechanisms = [name for name in ("ffi", "sfa", "lateral", "on") if name in model.ablations]
-    variants = {"intact": model} | {f"without {name}": ablate(model, name) for name in mechanisms}
+    variants = {f"without {name}": ablate(model, name) for name in mechanisms or model.ablations}
+    variants = {"intact": model} | variants
     return {name: _result(variant, exam, neuron, progress) for name, variant in variants.items()}
 
 

@@ -28,12 +28,21 @@ class Work:
     After Ctrl-C `stop` is set, tasks that have not begun are dropped, and the results that there are are returned. If
     there are none at all, the `KeyboardInterrupt` goes on.
 
-    **Arguments:** `digest`: of all that the results depend on.
+    **Arguments:** `digest`: of all that the results depend on. `total`: how many tasks there are in all, for the one
+    bar of all of them.
 
     **Raises:** `ValueError` for a memory of tasks with another digest, which stays as it was.
     """
 
-    def __init__(self, memory: Memory, progress: bool, client: "Client | None" = None, digest: str = ""):
+    def __init__(
+        self,
+        memory: Memory,
+        progress: bool,
+        client: "Client | None" = None,
+        *,
+        digest: str = "",
+        total: int | None = None,
+    ):
         if memory and memory.get(_DIGEST, "") != digest:
             raise ValueError(
                 "memory keeps the work of another fit, of other data, bounds, model or settings, or of another "
@@ -42,7 +51,7 @@ class Work:
         self.memory, self.digest, self.stop, self.best = memory, digest, threading.Event(), float("inf")
         self.client = None if client is None else checked_client(client)
         self._results = 0
-        self._bar = tqdm(disable=not progress, unit="start", leave=False)
+        self._bar = tqdm(total=total, disable=not progress, unit="start", leave=False)
 
     def __enter__(self):
         return self
@@ -61,7 +70,6 @@ class Work:
         numbers = list(numbers)
         results = {i: self.memory[f"{kind} {i}"] for i in numbers if f"{kind} {i}" in self.memory}
         self._results += len(results)
-        self._bar.reset(total=len(numbers))
         self._bar.set_description(kind)
         self._bar.update(len(results))
 

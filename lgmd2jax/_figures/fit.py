@@ -27,14 +27,21 @@ _TERMS, _TELLING = 3, 0.25  # parameters by which a direction is named: how many
 def fit_figure(path: str | os.PathLike, curves: Sequence[Curve], name: str) -> None:
     """Every condition with a panel for each of its channels: target, soft model and hard model over time.
 
-    All panels of a channel have the same axis, so that conditions compare. The target is drawn where it counts.
+    All panels of a channel have the same axis, so that conditions compare. The target is drawn where it counts. A block
+    of conditions has rows for the channels that some of them have.
     """
     conditions = _conditions(curves)
     channels = [channel for channel in TARGETS if any(channel in condition for condition in conditions)]
     limits = {channel: _limits([curve for curve in curves if curve.channel == channel]) for channel in channels}
     blocks = -(-len(conditions) // _COLUMNS)
     columns = -(-len(conditions) // blocks)
-    heights = [_HEIGHTS[channel] for channel in channels] * blocks
+    rows = [
+        (block, channel)
+        for block in range(blocks)
+        for channel in channels
+        if any(channel in condition for condition in conditions[block * columns : (block + 1) * columns])
+    ]
+    heights = [_HEIGHTS[channel] for _, channel in rows]
     panel = min(max(_PAGE / columns, _NARROWEST), _WIDEST)
     with drawn(path, max(0.7 + panel * columns, 6.5), 1.1 + sum(heights) + 0.4 * len(heights)) as figure:
         figure.suptitle(_verdict(curves, name))
@@ -42,7 +49,7 @@ def fit_figure(path: str | os.PathLike, curves: Sequence[Curve], name: str) -> N
         legend, labelled = {}, set()
         for i, condition in enumerate(conditions):
             block, column = divmod(i, columns)
-            panels = [grid[block * len(channels) + channels.index(channel), column] for channel in condition]
+            panels = [grid[rows.index((block, channel)), column] for channel in condition]
             for axes, curve in zip(panels, condition.values(), strict=True):
                 _panel(axes, curve, limits[curve.channel])
                 legend |= dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))

@@ -9,18 +9,18 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
 from matplotlib.ticker import EngFormatter, MaxNLocator
 
+from lgmd2jax._channels import Description
 from lgmd2jax._figures.style import BLACK, BLUE, GREEN, SKY, VERMILION, drawn
-from lgmd2jax._network.parameters import ParameterSet
+from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._video.snapshots import Snapshot
 from lgmd2jax._video.trace import Trace
 
 
 def response_figure(
-    path: str | os.PathLike, trace: Trace, parameters: ParameterSet, snapshots: Sequence[Snapshot], title: str
+    path: str | os.PathLike, trace: Trace, model: AbstractNetwork, snapshots: Sequence[Snapshot], title: str
 ) -> None:
     """What the cell did over a clip: snapshots, SMP and spikes with their thresholds, MP, FFI with its own, alarms."""
-    time, levels = trace.time_ms / 1000, parameters.levels
-    T_ffi = levels.ffi
+    time, levels = trace.time_ms / 1000, model.levels
     with drawn(path, 10, 7.6) as figure:
         figure.suptitle(title)
         grid = figure.add_gridspec(5, 1, height_ratios=(1.0, 2.6, 0.55, 1.3, 1.3))
@@ -40,21 +40,28 @@ def response_figure(
         spikes.set(ylabel="spikes", ylim=(0, len(levels.spikes) + 0.3), yticks=range(len(levels.spikes) + 1))
 
         mp.plot(time, trace.mp, color=BLACK)
-        mp.set(ylabel="MP\n(grey levels)", ylim=(0, None))
+        mp.set(ylabel=_label(model.channels["mp"]), ylim=(0, None))
         mp.yaxis.set_major_formatter(EngFormatter(sep=""))
 
         ffi.plot(time, trace.ffi, color=GREEN)
-        inhibited = trace.ffi > T_ffi
+        inhibited = trace.ffi > levels.ffi
         ffi.fill_between(
-            time, T_ffi, trace.ffi, where=inhibited, interpolate=True, color=GREEN, alpha=0.35, label="cell inhibited"
+            time,
+            levels.ffi,
+            trace.ffi,
+            where=inhibited,
+            interpolate=True,
+            color=GREEN,
+            alpha=0.35,
+            label="cell inhibited",
         )
         if inhibited.any():
             ffi.legend(loc="upper left")
-        _threshold(ffi, T_ffi, "T_ffi", GREEN)
+        _threshold(ffi, levels.ffi, levels.inhibited_from, GREEN)
         # A gate that is far away, or taken out, does not flatten the curve.
         ffi.set(
-            ylabel="FFI\n(grey levels)",
-            ylim=(0, 1.15 * max(trace.ffi.max(), min(T_ffi, 4 * trace.ffi.max()), 1e-3)),
+            ylabel=_label(model.channels["ffi"]),
+            ylim=(0, 1.15 * max(trace.ffi.max(), min(levels.ffi, 4 * trace.ffi.max()), 1e-3)),
         )
         ffi.set(xlabel="time (s)", xlim=(time[0], time[-1]))
 
@@ -84,6 +91,10 @@ def _strip(figure: Figure, place: SubplotSpec, snapshots: Sequence[Snapshot]) ->
         axes.set(xticks=(), yticks=())
         for spine in axes.spines.values():
             spine.set(visible=True, color=colour, linewidth=2.5 if shot.alarm else 0.8)
+
+
+def _label(channel: Description) -> str:
+    return f"{channel.label}\n({channel.unit}s)" if channel.unit != "1" else channel.label.replace(", ", "\n")
 
 
 def _threshold(axes: Axes, level: float, name: str, colour: str) -> None:

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from lgmd2jax._files.atomic import read_toml
-from lgmd2jax._words import nearest
+from lgmd2jax._words import nearest, within
 
 Content = TypeVar("Content")
 _PACKAGE = Path(__file__).parents[1]
@@ -50,10 +50,8 @@ def read_named(name: str | Path, kind: str, content: Callable[[Path, dict[str, A
     """
     path = locate(name, kind)
     table = read_toml(path)
-    try:
+    with within(str(path)):
         return content(path, table)
-    except (ValueError, TypeError) as error:
-        raise ValueError(f"{path}: {error}") from error
 
 
 def beside(path: Path, name: str) -> Path | str:

@@ -14,11 +14,11 @@ import numpy as np
 from lgmd2jax import hard
 from lgmd2jax._eye import Eye
 from lgmd2jax._files.atomic import replaced
-from lgmd2jax._handover.networks import NETWORKS
 from lgmd2jax._handover.response_vector import response_vector
 from lgmd2jax._handover.test_vector import make_test_vector
 from lgmd2jax._network.abstract import AbstractNetwork, parameters_of
 from lgmd2jax._network.lgmd2 import LGMD2
+from lgmd2jax._network.networks import NETWORKS
 from lgmd2jax._network.parameter_set import declared
 from lgmd2jax._network.structure import structure_fields, structure_of
 from lgmd2jax._network.thresholds import Hard
@@ -96,12 +96,12 @@ def load(path: str | os.PathLike, network: type[AbstractNetwork] | None = None) 
 
 
 def as_lgmd2(model: AbstractNetwork) -> LGMD2:
-    """The model, where `hard.py` can run it.
+    """The model, where a robot's program can run it.
 
     **Raises:** `ValueError` for another than an `LGMD2`.
     """
     if not isinstance(model, LGMD2):
-        raise ValueError(f"the model is a {type(model).__name__}; hard.py runs the LGMD2 alone")
+        raise ValueError(f"the model is a {type(model).__name__}; hard.py and the C run the LGMD2 alone")
     return model
 
 

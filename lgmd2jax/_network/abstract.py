@@ -3,6 +3,7 @@
 import abc
 import dataclasses
 import functools
+import math
 import typing
 import warnings
 from collections.abc import Mapping
@@ -14,9 +15,10 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Real
 
+from lgmd2jax._channels import RESPONSE, Description
 from lgmd2jax._eye import Eye
 from lgmd2jax._network.parameter_set import ParameterSet, check_domains, declared
-from lgmd2jax._network.stages import AbstractCell, AbstractPixels, Interval, Record, Response, Sums
+from lgmd2jax._network.stages import AbstractCell, AbstractPixels, Interval, Levels, Record, Response, Sums
 from lgmd2jax._network.structure import structure_fields
 from lgmd2jax._network.thresholds import Thresholds
 from lgmd2jax._types import Number, cast, is_concrete, unless_nan
@@ -39,12 +41,14 @@ class AbstractNetwork(eqx.Module):
     `LGMD2` and `YueRindLGMD1` are two. One of your own is a subclass with these fields and properties:
 
     - `parameters`: of a `ParameterSet` of its own, whose fields declare unit, domain, bounds, stage and what becomes of
-      them at another frame rate.
+      them at another frame rate and in another field of view.
     - `thresholds`: `Hard()`, `Soft(temperature)` or `StraightThrough(temperature)`.
     - `eye`: the sampling that the parameters belong to, or None.
     - `pixels`, `cell`: the stages, an `AbstractPixels` and an `AbstractCell`, made from the fields.
     - `ablations`: by name, the values of parameters or of other fields that take a mechanism out.
     - `unused`: the parameters that act on nothing in this structure; a fit refuses to free them.
+    - `levels`: the thresholds of the cell, which figures draw; `channels`: the unit and meaning of each channel of the
+      response, where they are others than of the LGMD2.
     - `neuron`: as which neuron the 22 properties judge it; any LGMD unless it says otherwise.
     - `conflicts`: what is wrong with parameters that are right each by itself.
 
@@ -78,6 +82,16 @@ class AbstractNetwork(eqx.Module):
         return frozenset()
 
     @property
+    def levels(self) -> Levels:
+        """The thresholds of the cell, as figures draw them; none here."""
+        return Levels((), math.inf)
+
+    @property
+    def channels(self) -> Mapping[str, Description]:
+        """What each channel of the response is, with its unit."""
+        return RESPONSE
+
+    @property
     def neuron(self) -> Neuron:
         """As which neuron it is judged: one that answers dark approach alone, or any LGMD."""
         return "LGMD1"
@@ -97,6 +111,14 @@ class AbstractNetwork(eqx.Module):
             name: field.at_interval(getattr(self, name), ratio) for name, field in structure_fields(type(self)).items()
         }
         return dataclasses.replace(self, parameters=dataclasses.replace(self.parameters, **changes), **structure)
+
+    def in_field(self, ratio: float):
+        """The network for a field of view of `ratio` times the area: by what parameters declare."""
+        changes = {
+            name: symbol.in_field(getattr(self.parameters, name), ratio)
+            for name, symbol in declared(type(self.parameters)).items()
+        }
+        return dataclasses.replace(self, parameters=dataclasses.replace(self.parameters, **changes))
 
     def __check_init__(self):
         kinds = {"parameters": (parameters_of(type(self)),), "thresholds": (Thresholds,), "eye": (Eye, type(None))}

@@ -6,6 +6,7 @@ from typing import Any
 
 import equinox as eqx
 
+from lgmd2jax._channels import RESPONSE, Description
 from lgmd2jax._eye import Eye
 from lgmd2jax._network.abstract import AbstractNetwork, Neuron
 from lgmd2jax._network.lobula import Cell
@@ -14,10 +15,14 @@ from lgmd2jax._network.parameter_set import declared
 from lgmd2jax._network.parameters import Parameters
 from lgmd2jax._network.pixels import Pixels
 from lgmd2jax._network.retina import unstable_persistence
+from lgmd2jax._network.stages import Levels
 from lgmd2jax._network.structure import counts, one_of, some_of, structure_fields
 from lgmd2jax._network.thresholds import Hard, Thresholds
 
 _SHORTEST_INTERVAL = 2.0  # ms; by a faster clock than this a lag wants an eye that says so
+_SHARE_OF_FIELD = Description(
+    "1", "share of the field that changed of late, delayed (eq. 14)", "FFI, share of the field"
+)
 MECHANISMS = ("size", "shunt", "lag", "membrane")
 ABLATIONS: Mapping[str, Mapping[str, float]] = {
     "ffi": {"T_ffi": 1e9},
@@ -95,6 +100,16 @@ class LGMD2(AbstractNetwork):
             name for name, known in declared(Parameters).items() if known.mechanism not in (None, *self.mechanisms)
         }
         return frozenset(unused | ({"T_ffi"} if "size" in self.mechanisms else set()) | (set() if self.n_p else {"u"}))
+
+    @property
+    def levels(self) -> Levels:
+        v = self.parameters
+        inhibited_from = "A_ffi" if "size" in self.mechanisms else "T_ffi"
+        return Levels((float(v.T_sp), float(v.T_sp + v.sigma_sp)), float(getattr(v, inhibited_from)), inhibited_from)
+
+    @property
+    def channels(self) -> Mapping[str, Description]:
+        return {**RESPONSE, "ffi": _SHARE_OF_FIELD} if "size" in self.mechanisms else RESPONSE
 
     @property
     def neuron(self) -> Neuron:

@@ -1,10 +1,9 @@
 """What a parameter declares of itself, and sets of such parameters."""
 
 import dataclasses
-import math
 import warnings
 from collections.abc import Callable
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import equinox as eqx
 import jax
@@ -42,6 +41,8 @@ class Symbol:
     - `per_frame`: what becomes of it at another frame rate. `"change"`: it is compared with a change in a frame and
       goes with the time that a frame lasts; `"share"`: that much is left after a frame; `"persistence"`:
       1/(1 + exp(u)) is left, where it acts over one frame; `"count"`: it counts in frames.
+    - `of_field`: whether it is compared with a mean over the field of view, of which an object of one size is a smaller
+      share where the field is larger.
     - `mechanism`: the optional mechanism that it belongs to; None for what the network always has.
     """
 
@@ -53,6 +54,7 @@ class Symbol:
     scale: Literal["linear", "log"] = "linear"
     stage: Stage = "cell"
     per_frame: Rule = "as it is"
+    of_field: bool = False
     mechanism: str | None = None
 
     @property
@@ -71,6 +73,10 @@ class Symbol:
     def at_interval(self, value, ratio: float):
         """The value for frames that last `ratio` times as long, within the domain."""
         return jnp.clip(_RULES[self.per_frame](value, ratio), *self.limits)
+
+    def in_field(self, value, ratio: float):
+        """The value for a field of view of `ratio` times the area, within the domain."""
+        return jnp.clip(value / ratio, *self.limits) if self.of_field else value
 
 
 def scalar(value) -> Array:
@@ -93,22 +99,11 @@ def declares(
     *,
     stage: Stage = "cell",
     per_frame: Rule = "as it is",
+    of_field: bool = False,
     mechanism: str | None = None,
 ):
     """The metadata of a field that is a parameter, for `equinox.field`."""
-    return {"symbol": Symbol(meaning, unit, domain, bounds, source, scale, stage, per_frame, mechanism)}
-
-
-class Levels(NamedTuple):
-    """Where a curve crosses what: the SMP from which there are one, two.. spikes, the FFI that forbids them."""
-
-    spikes: tuple[float, ...]
-    ffi: float
-
-    @property
-    def by_count(self) -> dict[str, float]:
-        """The SMP from which there is `1 spike`, from which there are `2 spikes`, and so on."""
-        return {f"{count} spike{'s' * (count > 1)}": level for count, level in enumerate(self.spikes, start=1)}
+    return {"symbol": Symbol(meaning, unit, domain, bounds, source, scale, stage, per_frame, of_field, mechanism)}
 
 
 class ParameterSet(eqx.Module):
@@ -119,11 +114,6 @@ class ParameterSet(eqx.Module):
 
     **Raises:** `ValueError` for a value outside its domain, when the value is concrete (not traced).
     """
-
-    @property
-    def levels(self) -> Levels:
-        """The thresholds of the cell, as figures draw them; none here."""
-        return Levels((), math.inf)
 
     @property
     def dtype(self):

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 import equinox as eqx
 from jaxtyping import Array, Float
 
-from lgmd2jax._network.parameter_set import Levels, ParameterSet, Symbol, declared, declares, scalar
+from lgmd2jax._network.parameter_set import ParameterSet, Symbol, declared, declares, scalar
 from lgmd2jax._words import nearest
 
 _OURS = "; formula and bounds are this project's"
@@ -107,6 +107,7 @@ class Parameters(ParameterSet):
             (1.0, 60.0),
             scale="log",
             per_frame="change",
+            of_field=True,
         ),
     )
     T_sfa: Float[Array, ""] = eqx.field(
@@ -139,6 +140,7 @@ class Parameters(ParameterSet):
             (0.1, 2.0),
             scale="log",
             per_frame="change",
+            of_field=True,
         ),
     )
     u: Float[Array, ""] = eqx.field(
@@ -203,6 +205,7 @@ class Parameters(ParameterSet):
             (0.005, 0.5),
             _SIZE,
             scale="log",
+            of_field=True,
             mechanism="size",
         ),
     )
@@ -232,11 +235,6 @@ class Parameters(ParameterSet):
             "time constant of the membrane", "ms", "[0, inf)", (0.0, 80.0), _MEMBRANE, mechanism="membrane"
         ),
     )
-
-    @property
-    def levels(self) -> Levels:
-        """The thresholds of the cell, as figures draw them."""
-        return Levels((float(self.T_sp), float(self.T_sp + self.sigma_sp)), float(self.T_ffi))
 
 
 def symbols(kind: type[ParameterSet] = Parameters) -> dict[str, Symbol]:

@@ -15,7 +15,10 @@ Interval = Float[Array, " *time"]  # ms that a frame lasts: one for all, or one 
 
 
 class Sums(NamedTuple):
-    """What the pixels leave of a frame, or of each frame of a clip: MP (eq. 11) and F (eq. 13), in grey levels."""
+    """What the pixels leave of a frame, or of each frame of a clip: MP (eq. 11) and F (eq. 13), in grey levels.
+
+    With size-coding inhibition F is a share of the field.
+    """
 
     mp: Float[Array, " *time"]
     f: Float[Array, " *time"]
@@ -25,7 +28,8 @@ class Response(eqx.Module):
     """What the cell does, a value a frame (scalars from `LGMD2.step`).
 
     - `mp`: summed potential MP, in grey levels (eq. 11).
-    - `ffi`: delayed feed-forward inhibition Fbar, in grey levels (eq. 14).
+    - `ffi`: delayed feed-forward inhibition Fbar, in grey levels (eq. 14); with size-coding inhibition a share of the
+      field. `channels` of a network says which.
     - `smp`: sigmoid membrane potential U, in [.5, 1), before adaptation (eq. 12).
     - `smp_adapted`: U' after spike-frequency adaptation (eq. 15).
     - `spikes`: spikes in this frame, 0 to 2 (eq. 16); fractional between thresholds that are soft.
@@ -40,6 +44,22 @@ class Response(eqx.Module):
     spikes: Float[Array, " *time"]
     collision: Float[Array, " *time"]
     recorded: Any = None
+
+
+class Levels(NamedTuple):
+    """Where a curve crosses what: the SMP from which there are one, two.. spikes, the FFI that inhibits the cell.
+
+    `inhibited_from`: the parameter by which that FFI is known.
+    """
+
+    spikes: tuple[float, ...]
+    ffi: float
+    inhibited_from: str = "T_ffi"
+
+    @property
+    def by_count(self) -> dict[str, float]:
+        """The SMP from which there is `1 spike`, from which there are `2 spikes`, and so on."""
+        return {f"{count} spike{'s' * (count > 1)}": level for count, level in enumerate(self.spikes, start=1)}
 
 
 class AbstractPixels(eqx.Module):

@@ -1,9 +1,10 @@
-"""Variants of a model: without a mechanism, and at another frame rate."""
+"""Variants of a model: without a mechanism, at another frame rate, and for another eye."""
 
 import dataclasses
 
 import jax.numpy as jnp
 
+from lgmd2jax._eye import Eye
 from lgmd2jax._network.abstract import AnyNetwork
 from lgmd2jax._network.parameter_set import declared
 from lgmd2jax._words import nearest
@@ -54,3 +55,24 @@ def at_frame_rate(model: AnyNetwork, fps: float | int) -> AnyNetwork:
         raise ValueError("the model has no eye, so its own frame rate is not known; give it one: LGMD2(..., eye=Eye())")
     eye = dataclasses.replace(model.eye, fps=fps)
     return dataclasses.replace(model.at_interval(model.eye.fps / fps), eye=eye)
+
+
+def at_eye(model: AnyNetwork, eye: Eye) -> AnyNetwork:
+    """The model for another eye: at its frame rate, and in its field of view.
+
+    The rate is changed as `at_frame_rate` does. What is compared with a mean over the field goes as 1/(field area), as
+    k, T_ffi and A_ffi (`Symbol.of_field` of each parameter): an object of the same angular size then means the same.
+    A finer or coarser raster of one field changes nothing. It is an approximation where contrast is low, since on a
+    finer raster T_s bites earlier.
+
+    **Raises:** `ValueError` for a model without an eye, and where one of the two fields is not known in degrees.
+    """
+    if model.eye is None:
+        raise ValueError("the model has no eye, so its own field is not known; give it one: LGMD2(..., eye=Eye())")
+    for name, own in (("the model's eye", model.eye), ("eye", eye)):
+        if own.degrees_per_pixel is None:
+            raise ValueError(f"{name} is known in pixels alone, so its field is not known; give it degrees_per_pixel")
+    if model.eye == eye:
+        return model
+    ratio = eye.field_area / model.eye.field_area
+    return dataclasses.replace(at_frame_rate(model, eye.fps).in_field(ratio), eye=eye)

@@ -12,8 +12,8 @@ from lgmd2jax._network import medulla, retina
 from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.lobula import gated
 from lgmd2jax._network.maps import bordered, pool
-from lgmd2jax._network.parameter_set import Levels, ParameterSet, declares, scalar
-from lgmd2jax._network.stages import AbstractCell, AbstractPixels, Response, Sums
+from lgmd2jax._network.parameter_set import ParameterSet, declares, scalar
+from lgmd2jax._network.stages import AbstractCell, AbstractPixels, Levels, Response, Sums
 from lgmd2jax._network.structure import counts
 from lgmd2jax._network.thresholds import Hard, Thresholds
 from lgmd2jax._types import Map, Scalar, unless_nan
@@ -111,6 +111,7 @@ class YueRindParameters(ParameterSet):
             _SOURCE,
             "log",
             per_frame="change",
+            of_field=True,
         ),
     )
     alpha_ffi: Float[Array, ""] = eqx.field(
@@ -129,6 +130,7 @@ class YueRindParameters(ParameterSet):
             _PRIOR,
             "log",
             per_frame="change",
+            of_field=True,
         ),
     )
     T_sp: Float[Array, ""] = eqx.field(
@@ -136,11 +138,6 @@ class YueRindParameters(ParameterSet):
         converter=scalar,
         metadata=declares("spiking threshold (.78 and .8 are in use too)", "1", "(0.5, 1)", (0.6, 0.95), _SOURCE),
     )
-
-    @property
-    def levels(self) -> Levels:
-        """The thresholds of the cell, as figures draw them: T is what it settles at, within two frames."""
-        return Levels((float(self.T_sp),), float(self.T_ffi / (1 - self.alpha_ffi)))
 
 
 class YueRindLayers(eqx.Module):
@@ -262,6 +259,12 @@ class YueRindLGMD1(AbstractNetwork):
     @property
     def ablations(self):
         return {"ffi": {"T_ffi": 1e9}, "lateral": {"W_I": 0.0}}
+
+    @property
+    def levels(self) -> Levels:
+        """T is what it settles at, within two frames."""
+        v = self.parameters
+        return Levels((float(v.T_sp),), float(v.T_ffi / (1 - v.alpha_ffi)))
 
     def conflicts(self):
         return retina.unstable_persistence(self.parameters.u, 1)

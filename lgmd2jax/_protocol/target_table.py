@@ -10,25 +10,21 @@ import jax
 
 from lgmd2jax._handover.named import model_named, with_parameters
 from lgmd2jax._network.thresholds import Soft
-from lgmd2jax._protocol.arguments import arguments, check_complete, check_keys, keywords, located
-from lgmd2jax._targets.band import Band
+from lgmd2jax._protocol.arguments import arguments, located
+from lgmd2jax._schemas.protocol import LAWS
 from lgmd2jax._targets.csv_files import read_spike_trains, read_target
-from lgmd2jax._targets.looming_law import LoomingLaw
 from lgmd2jax._targets.model_target import ModelTarget
-from lgmd2jax._targets.observation import Observation, observation_symbols
-from lgmd2jax._targets.rest import Onset, Rest
+from lgmd2jax._targets.observation import Observation
 from lgmd2jax._targets.target import AnyTarget
 from lgmd2jax._targets.weighted import Weighted
-from lgmd2jax._words import nearest
 
 Table = Mapping[str, Any]
 
-_LAWS = {"looming": LoomingLaw, "rest": Rest, "onset": Onset, "band": Band}
 _WEIGHTING = [field.name for field in dataclasses.fields(Weighted) if field.name != "target"]
 
 
 def target(table: Table, folder: Path) -> AnyTarget:
-    """The target that a table describes, with its files, which lie below `folder`, read.
+    """The target that a table, whose form is checked, describes; its files, which lie below `folder`, are read.
 
     ```toml
     [[condition.target]]                  # a recorded curve
@@ -68,75 +64,43 @@ def target(table: Table, folder: Path) -> AnyTarget:
 
     Each also takes `error`, `weight`, `from_ms`, `until_ms` and `correlation_ms`: see `Weighted`.
 
-    **Raises:** `ValueError` for unknown and missing keys, for what they cannot be, and for files that cannot be read.
+    **Raises:** `ValueError` for what the values cannot be, and for files that cannot be read.
     """
-    sources = [name for name in _SOURCES if name in table]
-    if len(sources) != 1:
-        given = " and ".join(sources) or "no source"
-        raise ValueError(f"there is {given}; give one of {', '.join(_SOURCES)}")
-    source = sources[0]
-    if not isinstance(table[source], str):
-        raise ValueError(f"{source} is {table[source]!r}; give a text")
+    source = next(name for name in _SOURCES if name in table)
     own = {key: value for key, value in table.items() if key not in (source, *_WEIGHTING)}
     weighting = {key: value for key, value in table.items() if key in _WEIGHTING}
     try:
         result = _SOURCES[source](table[source], own, folder)
     except OSError as error:
-        raise ValueError(f"{source} is {table[source]!r}, which cannot be read: {error.strerror or error}") from error
+        raise ValueError(f"{source} = {table[source]!r}: cannot be read: {error.strerror or error}") from error
     return Weighted(result, **arguments(Weighted, weighting, folder)) if weighting else result
 
 
 def _recorded(name: str, table: Table, folder: Path) -> AnyTarget:
-    _check_keys(table, keywords(read_target))
-    check_complete(table, read_target)
     return read_target(folder / name, **arguments(read_target, table, folder))
 
 
 def _spikes(name: str, table: Table, folder: Path) -> AnyTarget:
-    _check_keys(table, ["channel", *keywords(read_spike_trains)])
-    if table.get("channel", "rate") != "rate":
-        raise ValueError(f"channel is {table['channel']!r}; of spike times it is 'rate'")
     settings = {key: value for key, value in table.items() if key != "channel"}
     return read_spike_trains(folder / name, **arguments(read_spike_trains, settings, folder))
 
 
 def _law(name: str, table: Table, folder: Path) -> AnyTarget:
-    if name not in _LAWS:
-        raise ValueError(f"law is {name!r}; choose {nearest(name, _LAWS)}")
-    law = _LAWS[name]
-    _check_keys(table, keywords(law))
-    check_complete(table, law)
-    return law(**arguments(law, table, folder))
+    return LAWS[name](**arguments(LAWS[name], table, folder))
 
 
 def _model(name: str, table: Table, folder: Path) -> AnyTarget:
-    _check_keys(table, ("parameters", "temperature", "channel", "observation", "noise", "seed"))
-    tables = {key: table[key] for key in ("parameters", "observation") if key in table}
-    for key, value in tables.items():
-        if not isinstance(value, Mapping):
-            raise ValueError(f"{key} is {value!r}; write it as a table")
-    check_keys(tables.get("observation", {}), observation_symbols())
-    plain = {key: value for key, value in table.items() if key not in (*tables, "temperature", "seed")}
-    seed = table.get("seed", 0)
-    if not isinstance(seed, int) or seed < 0:
-        raise ValueError(f"seed is {seed!r}; give a whole number, 0 or more")
-    model = with_parameters(
-        model_named(located(name, folder)), [f"{key}={value}" for key, value in tables.get("parameters", {}).items()]
-    )
+    settings = [f"{key}={value}" for key, value in table.get("parameters", {}).items()]
+    model = with_parameters(model_named(located(name, folder)), settings)
     if "temperature" in table:
-        if not isinstance(table["temperature"], (int, float)):
-            raise ValueError(f"temperature is {table['temperature']!r}; give a number")
         model = eqx.tree_at(lambda model: model.thresholds, model, Soft(table["temperature"]))
+    plain = {key: value for key, value in table.items() if key in ("channel", "noise")}
     return ModelTarget(
         model=model,
-        observation=Observation(**tables["observation"]) if "observation" in tables else None,
-        key=jax.random.key(seed),
+        observation=Observation(**table["observation"]) if "observation" in table else None,
+        key=jax.random.key(table.get("seed", 0)),
         **arguments(ModelTarget, plain, folder),
     )
-
-
-def _check_keys(table: Table, known) -> None:
-    check_keys(table, [*known, *_WEIGHTING])
 
 
 _SOURCES: dict[str, Callable[[str, Table, Path], AnyTarget]] = {

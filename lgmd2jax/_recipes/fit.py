@@ -15,20 +15,15 @@ from lgmd2jax._characterise import characterise
 from lgmd2jax._compute.finished_work import Memory, MemoryPart
 from lgmd2jax._files.catalogue import beside
 from lgmd2jax._network.abstract import AbstractNetwork
-from lgmd2jax._protocol.arguments import check_keys, section
 from lgmd2jax._protocol.protocol import load_protocol
-from lgmd2jax._targets.observation import Observation, observation_symbols
+from lgmd2jax._targets.observation import Observation
+from lgmd2jax._words import nearest
 from lgmd2jax.fitting import Fit, Free, Profile, Supplement, fit
 from lgmd2jax.fitting._conditions import Rendered, render
 from lgmd2jax.fitting._law_fit import check_approaches, compare_with_law
 from lgmd2jax.fitting._search.descent import STOPPED
 from lgmd2jax.fitting._sections import free_of, network_of
 from lgmd2jax.fitting._validation import Pair, Predict, check_no_bands, leave_one_out, predicted_r2
-
-_KEYS = ("protocol", "kind", "preset", "temperature", "parameters", "structure", "observation", "free", "solver")
-_KEYS += ("uncertainty", "validation", "truth", "network", "choice")
-# What `fit` takes as plain numbers; its key comes from the seed.
-_SOLVER = ("pixel_points", "cell_points", "descend", "temperatures", "max_steps", "loss", "seed")
 
 Part = Callable[[Supplement], Supplement]  # adds what it computes
 
@@ -145,25 +140,17 @@ def _properties_held(model: AbstractNetwork) -> float:
 
 
 def fit_recipe(path: Path, table: dict[str, Any]) -> Recipe:
-    """The recipe of a fit to curves that a TOML file holds, its stimuli rendered.
+    """The recipe of a fit to curves that a TOML file, whose form is checked, holds; its stimuli are rendered.
 
     **Raises:** `ValueError`, which names the key, for what is not such a recipe; `FileNotFoundError`.
     """
-    check_keys(table, _KEYS)
-    for key in ("protocol", "free"):
-        if key not in table:
-            raise ValueError(f"{key} is missing")
-    uncertainty, validation = section(table, "uncertainty"), section(table, "validation")
-    check_keys(uncertainty, ("absolute_errors", "profile", "samples"))
-    check_keys(validation, ("leave_one_out", "looming_law"))
-    properties = section(table, "choice", ("properties",)).get("properties", False)
-    if not isinstance(properties, bool):
-        raise ValueError(f"properties is {properties!r}; give true or false")
+    uncertainty, validation = table.get("uncertainty", {}), table.get("validation", {})
     free = free_of(table)
-    profile, truth = tuple(uncertainty.get("profile", ())), section(table, "truth")
-    for name in (*profile, *truth):
-        if name not in free.names:
-            raise ValueError(f"{name!r} is not free; choose {', '.join(free.names)}")
+    profile, truth = tuple(uncertainty.get("profile", ())), table.get("truth", {})
+    for key, names in (("uncertainty.profile", profile), ("truth", truth)):
+        for name in names:
+            if name not in free.names:
+                raise ValueError(f"{key}: {name!r} is not free; choose {nearest(name, free.names)}")
     protocol = load_protocol(beside(path, table["protocol"]))
     pairs = tuple(render(protocol.conditions))
     if validation.get("looming_law", False):
@@ -173,16 +160,16 @@ def fit_recipe(path: Path, table: dict[str, Any]) -> Recipe:
     return Recipe(
         name=path.stem,
         model=network_of(table, protocol.conditions[0].eye),
-        observation=Observation(**section(table, "observation", observation_symbols())),
+        observation=Observation(**table.get("observation", {})),
         free=free,
         pairs=pairs,
-        solver=section(table, "solver", _SOLVER),
+        solver=table.get("solver", {}),
         absolute_errors=uncertainty.get("absolute_errors"),
         profile=profile,
         samples=uncertainty.get("samples", 0),
         leave_one_out=validation.get("leave_one_out", False),
         looming_law=validation.get("looming_law", False),
         truth=truth,
-        properties=properties,
+        properties=table.get("choice", {}).get("properties", False),
         table=table,
     )

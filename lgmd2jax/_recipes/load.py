@@ -7,15 +7,16 @@ from typing import Any
 from lgmd2jax._files.catalogue import read_named
 from lgmd2jax._recipes.fit import Recipe, fit_recipe
 from lgmd2jax._recipes.sweep import SweepRecipe, sweep_recipe
-from lgmd2jax._words import nearest
+from lgmd2jax._schemas.check import check
+from lgmd2jax._schemas.recipes import RECIPE
 from lgmd2jax.alarms import AlarmRecipe
-from lgmd2jax.alarms._recipe import KIND, alarm_recipe
+from lgmd2jax.alarms._recipe import alarm_recipe
 
 AnyRecipe = Recipe | AlarmRecipe | SweepRecipe
 
 _KINDS: Mapping[str, Callable[[Path, dict[str, Any]], AnyRecipe]] = {
     "fit": fit_recipe,
-    KIND: alarm_recipe,
+    "alarms": alarm_recipe,
     "sweep": sweep_recipe,
 }
 
@@ -32,7 +33,5 @@ def load_recipe(source: str | Path) -> AnyRecipe:
 
 
 def _recipe(path: Path, table: dict[str, Any]) -> AnyRecipe:
-    kind = table.get("kind", "fit")
-    if not (isinstance(kind, str) and kind in _KINDS):
-        raise ValueError(f"kind is {kind!r}; choose {nearest(kind, _KINDS)}")
-    return _KINDS[kind](path, table)
+    check(RECIPE, table)
+    return _KINDS[table.get("kind", "fit")](path, table)

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from lgmd2jax._channels import RESPONSE
 from lgmd2jax._compute.cluster import need
 from lgmd2jax._compute.fingerprint import fingerprint
 from lgmd2jax._files.temporary import temporary_beside
@@ -44,7 +43,10 @@ class Memory:
         """All results, labelled."""
         empty = _labels(self._plan)
         return empty.assign(
-            {name: (_dimensions(self._plan, name), array, _meaning(name)) for name, array in self._arrays.items()}
+            {
+                name: (_dimensions(self._plan, name), array, _meaning(self._plan, name))
+                for name, array in self._arrays.items()
+            }
         )
 
 
@@ -71,8 +73,19 @@ class Store:
             )
 
     def missing(self) -> list[int]:
-        """The blocks that are still to be computed."""
-        return np.flatnonzero(~self._group("r")[_DONE][:]).tolist()
+        """The blocks that are still to be computed, those among them of which a chunk was lost."""
+        group = self._group("r")
+        done = group[_DONE][:]
+        return [number for number in self._plan.numbers() if not done[number] or self._lost(group, number)]
+
+    def _lost(self, group: Any, number: int) -> bool:
+        """Whether a file of a marked block is gone; what is read in its place would be NaN."""
+        place = np.unravel_index(number, self._plan.blocks) if self._plan.blocks else ()
+        for name, (shape, _) in self._plan.variables.items():
+            key = group[name].metadata.encode_chunk_key((*map(int, place), *(0 for _ in shape)))
+            if not (self._path / name / key).is_file():
+                return True
+        return False
 
     def write(self, number: int, results: dict[str, np.ndarray]) -> None:
         """Write the results of a block.
@@ -118,7 +131,7 @@ class Store:
                     dtype=dtype,
                     fill_value=np.nan,
                     dimension_names=_dimensions(self._plan, name),
-                    attributes={**_meaning(name)},
+                    attributes={**_meaning(self._plan, name)},
                 )
             count = len(self._plan.numbers())
             group.create_array(_DONE, shape=(count,), chunks=(1,), dtype=bool, fill_value=False)
@@ -143,17 +156,20 @@ def _is_vacant(path: Path) -> bool:
 
 def _write(group: Any, number: int, region: Region, results: dict[str, np.ndarray]) -> None:
     """The mark comes last: what a kill leaves without one is computed again."""
-    for name, values in results.items():
-        group[name][region] = values
-    group[_DONE][number] = True
+    import zarr
+
+    with zarr.config.set({"array.write_empty_chunks": True}):  # else a block of NaN leaves no file, and looks lost
+        for name, values in results.items():
+            group[name][region] = values
+        group[_DONE][number] = True
 
 
 def _dimensions(plan: Plan, name: str) -> list[str]:
     return [axis.name for axis in plan.grid.axes] + (["time"] if name in plan.channels else [])
 
 
-def _meaning(name: str) -> dict[str, str]:
-    unit, meaning = SUMMARIES[name] if name in SUMMARIES else RESPONSE[name][:2]
+def _meaning(plan: Plan, name: str) -> dict[str, str]:
+    unit, meaning = SUMMARIES[name] if name in SUMMARIES else plan.grid.setup.model.channels[name][:2]
     return {"units": unit, "long_name": meaning}
 
 

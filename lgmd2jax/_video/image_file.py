@@ -17,6 +17,7 @@ from lgmd2jax._video.orientation import Orientation
 
 TIFF = (".tif", ".tiff")
 NETPBM = (".pgm", ".ppm", ".pnm")
+PAGED = (*TIFF, *NETPBM, ".png", ".webp")  # formats that may hold several pictures
 SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".pbm", ".webp", *NETPBM, *TIFF)
 
 _ORIENTATION, _LARGEST_VALUE = 274, 281  # tags of EXIF and TIFF

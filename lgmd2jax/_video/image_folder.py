@@ -5,7 +5,7 @@ import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from lgmd2jax._video.image_file import SUFFIXES, TIFF, read_image
+from lgmd2jax._video.image_file import PAGED, SUFFIXES, read_image
 from lgmd2jax._video.image_pixels import ImagePixels
 
 
@@ -21,7 +21,7 @@ class ImageFolder:
     def __init__(self, paths: Sequence[Path], white: float | int | None = None):
         self._white = white
         self.paths, self.remarks = _in_order(paths)
-        multiple = any(path.suffix.lower() in TIFF for path in self.paths) and self._pages(self.paths[0]) > 1
+        multiple = any(path.suffix.lower() in PAGED for path in self.paths) and self._pages(self.paths[0]) > 1
         self.count = None if multiple else len(self.paths)
 
     @classmethod

@@ -5,7 +5,7 @@ from collections import deque
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from lgmd2jax._network.parameters import ParameterSet
+from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._video.clip import Frame
 from lgmd2jax._video.grey import Picture
 from lgmd2jax._video.trace import Row
@@ -18,9 +18,9 @@ _SECONDS = 4.0
 class Overlay:
     """Draws on frame after frame: the SMP of the last seconds in a band at the foot, and a red border in an alarm."""
 
-    def __init__(self, size: tuple[int, int], parameters: ParameterSet):
+    def __init__(self, size: tuple[int, int], model: AbstractNetwork):
         self._rows, self._cols = size
-        self._levels = parameters.levels.spikes
+        self._levels = model.levels.spikes
         self._band = max(24, self._rows // 4)
         self._font = ImageFont.load_default(max(9, self._rows // 20))
         self._past: deque[Row] = deque()

@@ -6,9 +6,9 @@ import zipfile
 from pathlib import Path
 
 import numpy as np
-from platformdirs import user_cache_path
 
 from lgmd2jax._files.atomic import replaced
+from lgmd2jax._files.cache import cache_folder
 from lgmd2jax._video.clip import Clip
 from lgmd2jax._video.recording import Recording
 from lgmd2jax._video.remarks import warn
@@ -21,7 +21,7 @@ def decode(clip: Clip, path: Path, drop_duplicates: bool, options: tuple = ()) -
 
     `options`: what else the frames depend on. A cache that cannot be read or written is done without.
     """
-    kept = user_cache_path("lgmd2jax") / "clips" / f"{_digest(clip, path, drop_duplicates, options)}.npz"
+    kept = cache_folder() / "clips" / f"{_digest(clip, path, drop_duplicates, options)}.npz"
     try:
         with open(kept, "rb") as stream, np.load(stream) as file:
             arrays = {name: file[name] for name in ("frames", "index", "time", "interval")}

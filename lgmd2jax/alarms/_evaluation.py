@@ -124,7 +124,7 @@ class HeldOutScores:
 
 
 def evaluate(model: LGMD2, clips: Sequence[LabelledClip]) -> Evaluation:
-    """Run a model over labelled clips.
+    """Run a model over labelled clips. Spikes are whole, so that an N_sp of 4.3 asks for five of them, as eq. 17 does.
 
     **Raises:** `ValueError` for no clips.
     """
@@ -132,7 +132,7 @@ def evaluate(model: LGMD2, clips: Sequence[LabelledClip]) -> Evaluation:
         raise ValueError("clips is empty; give at least one")
     traces: list[np.ndarray] = [np.zeros(0)] * len(clips)
     for batch in batches_of(clips):
-        padded = np.asarray(_traces(model, batch, round(float(model.parameters.N_sp))))
+        padded = np.asarray(_traces(model, batch, math.ceil(float(model.parameters.N_sp))))
         for member, trace in zip(batch.members, padded, strict=True):
             traces[member] = trace[: len(clips[member].frames)]
     return Evaluation(tuple(clips), tuple(traces), float(model.parameters.T_sp))

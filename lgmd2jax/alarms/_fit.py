@@ -1,7 +1,7 @@
 """The fit of alarms: a search on two levels, descents from the best, and of what is right the widest margin."""
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -10,7 +10,7 @@ from jaxtyping import Array
 
 from lgmd2jax._compute.fingerprint import fingerprint
 from lgmd2jax._compute.finished_work import Memory
-from lgmd2jax._compute.tasks import Work
+from lgmd2jax._compute.tasks import Result, Work
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._network.thresholds import Hard
 from lgmd2jax._targets.observation import Observation
@@ -93,26 +93,28 @@ def fit(
         cell_points=cell_points,
         temperatures=tuple(map(float, temperatures)),
     )
-    left_out = problem.own_events() if 1 < len(clips) <= _LEFT_OUT else {}
-    starts = AlarmStarts(search, max_steps, left_out)
+    own_events = problem.own_events() if 1 < len(clips) <= _LEFT_OUT else {}
+    starts = AlarmStarts(search, max_steps, own_events)
+    children = max(1, pixel_points // 4)
+    total = pixel_points + generations * children + min(descend, pixel_points) + len(own_events)
     digest = "" if memory is None else fingerprint((starts, generations))
-    with Work({} if memory is None else memory, progress, client, digest) as work:
-        screenings = starts.screenings(
-            work.do("screening", starts.screen, range(pixel_points), starts.compile_screening)
-        )
-        anywhere = tuple(screenings.values())  # what is near the best says nothing of how large the region is
+    with Work({} if memory is None else memory, progress, client, digest=digest, total=total) as work:
+        anywhere = starts.screenings(work.do("screening", starts.screen, range(pixel_points), starts.compile_screening))
+        best = {number: screening.best for number, screening in anywhere.items()}
         for generation in range(generations):
-            parents = sorted((screening.best for screening in screenings.values()), key=risk)[:_PARENTS]
+            parents = sorted(best.values(), key=risk)[:_PARENTS]
             task = partial(starts.near, [parent.z for parent in parents], _REACH / 2**generation)
-            numbers = range(len(screenings), len(screenings) + max(1, pixel_points // 4))
-            screenings |= starts.screenings(work.do(f"generation {generation + 1}", task, numbers))
-        best = {number: screening.best for number, screening in screenings.items()}
+            numbers = range(len(best), len(best) + children)
+            best |= _contenders(work.do(f"generation {generation + 1}", task, numbers))
         chosen = sorted(best, key=lambda number: risk(best[number]))[:descend]
         task = partial(starts.descend, {number: best[number] for number in chosen})
-        descents = {
-            number: Contender.of(plain["after"])
-            for number, plain in work.do("descending", task, chosen, search.compile_descent).items()
+        descents = _contenders(work.do("descending", task, chosen, search.compile_descent))
+        # Generations and descents saw all clips: a choice without one sets out from what was looked at anywhere.
+        without = {
+            clip: min((screening.best_without[clip] for screening in anywhere.values()), key=risk)
+            for clip in own_events
         }
+        left_out = _contenders(work.do("leaving out", partial(starts.leave_out, without), own_events))
         stopped = work.stop.is_set()
     winner = min([*best.values(), *descents.values()], key=risk)
     parameters, _ = free.insert(model.parameters, Observation(), np.array(winner.z))
@@ -124,20 +126,22 @@ def fit(
         cost=winner.cost,
         margin=winner.margin,
         evaluation=evaluate(model, clips),
-        screened=sum(screening.count for screening in anywhere),
-        right=sum(screening.right for screening in anywhere),
-        ranges=_ranges(problem, anywhere),
+        screened=sum(screening.count for screening in anywhere.values()),
+        right=sum(screening.right for screening in anywhere.values()),
+        ranges=_ranges(problem, tuple(anywhere.values())),
         descended=tuple(
             AlarmDescent(number, best[number].margin, after.margin, after.cost) for number, after in descents.items()
         ),
         left_out={
-            clips[clip].name: min((screening.best_without[clip] for screening in screenings.values()), key=risk).errors(
-                problem, events
-            )
-            for clip, events in left_out.items()
+            clips[clip].name: contender.errors(problem, own_events[clip]) for clip, contender in left_out.items()
         },
         stopped=stopped,
     )
+
+
+def _contenders(results: Mapping[int, Result]) -> dict[int, Contender]:
+    """The best of each task, from its plain data."""
+    return {number: Contender.of(plain["best"]) for number, plain in results.items()}
 
 
 def _check(model: LGMD2, clips: Sequence[LabelledClip], weights: dict[str, float | int]) -> None:

@@ -11,17 +11,17 @@ import numpy as np
 
 from lgmd2jax._eye import Eye
 from lgmd2jax._files.catalogue import read_named
-from lgmd2jax._protocol.arguments import check_keys, section
 from lgmd2jax._protocol.protocol import eye_of
+from lgmd2jax._schemas.check import check
+from lgmd2jax._schemas.labels import LABELS
 from lgmd2jax._signals import stretches
 from lgmd2jax._video.clip import Clip, open_clip, window_of
 from lgmd2jax._video.recording import Recording
+from lgmd2jax._words import is_refusal
 from lgmd2jax.alarms._clip import LabelledClip, check_stretches
 from lgmd2jax.alarms._decoding import decode
 from lgmd2jax.stimuli import Encounter, encounters
 
-_CLIP = ("name", "file", "fps", "resize", "crop", "drop_duplicates", "alarm", "silent", "contact", "before_ms")
-_CLIP += ("grace_ms", "settle", "white", "until_damage")
 _SETTLE = 10  # frames at the beginning of a clip that are not judged: the network comes to rest
 _GRACE_MS = 1000.0  # after contact nothing is judged: the camera jolts
 
@@ -104,6 +104,8 @@ class LabelFile:
             try:
                 opened.append(_Opened.of(table, self))
             except (ValueError, OSError) as fault:
+                if not isinstance(fault, OSError) and not is_refusal(fault):
+                    raise
                 faults.append(str(fault))
         if faults:
             raise ValueError("; ".join(faults))
@@ -148,24 +150,19 @@ def label_file(path: Path, table: dict[str, Any]) -> LabelFile:
 
     **Raises:** `ValueError`, which names clip and key, for what is no such file.
     """
-    check_keys(table, ("eye", "clip", "rendered"))
-    folder = path.parent.resolve()
-    eye, clips = eye_of(section(table, "eye"), folder), table.get("clip", [])
-    if not (isinstance(clips, list) and all(isinstance(clip, dict) for clip in clips)):
-        raise ValueError("clip is not a list of tables; write each under [[clip]]")
-    names = [field.name for field in dataclasses.fields(Rendering)]
-    rendering = section(table, "rendered", names)
-    if not clips and not rendering:
+    check(LABELS, table)
+    clips, rendering = table.get("clip", []), table.get("rendered")
+    if not (clips or rendering):
         raise ValueError("no clips; write each under [[clip]], or ask for some under [rendered]")
-    for number, clip in enumerate(clips, start=1):
-        check_keys(clip, _CLIP)
-        if not isinstance(clip.get("file"), str):
-            raise ValueError(f"clip {number}: file is missing")
+    folder = path.parent.resolve()
+    for number, clip in enumerate(clips):
         if not (place := folder / clip["file"]).exists():
-            raise ValueError(f"clip {number}: there is no {place}; labels need their clip")
+            raise ValueError(f"clip[{number}].file: there is no {place}; labels need their clip")
         if {"alarm", "before_ms"} <= clip.keys():
-            raise ValueError(f"clip {number}: alarm and before_ms are both given; give one")
-    return LabelFile(path.stem, eye, tuple(clips), Rendering(**rendering) if rendering else None, folder)
+            raise ValueError(f"clip[{number}]: alarm and before_ms are both given; give one")
+    return LabelFile(
+        path.stem, eye_of(table["eye"]), tuple(clips), Rendering(**rendering) if rendering else None, folder
+    )
 
 
 class _Opened(NamedTuple):
@@ -204,13 +201,13 @@ class _Opened(NamedTuple):
         """
         name, table = self.name, self.table
         contact, last = table.get("contact"), math.inf if count is None else count - 1
-        if contact is not None and not (isinstance(contact, int) and 0 <= contact <= last):
+        if contact is not None and contact > last:
             raise ValueError(f"{name}: contact is {contact!r}; give a frame of 0 to {last}")
         check_stretches(name, last, {kind: table.get(kind) or [] for kind in ("alarm", "silent")})
         if (before := table.get("before_ms")) is not None:
             if contact is None:
                 raise ValueError(f"{name}: before_ms counts from contact, which is not given; give its frame")
-            if not (isinstance(before, list) and len(before) == 2 and before[0] > before[1] >= 0):
+            if not before[0] > before[1]:
                 raise ValueError(f"{name}: before_ms is {before!r}; give two times before contact, as [1000, 0]")
 
     def labelled(self) -> LabelledClip:

@@ -62,6 +62,11 @@ class AlarmProblem(Space[LGMD2]):
         """What each event weighs."""
         return np.array([event.weight for event in self.events], float)
 
+    @property
+    def scale(self) -> float:
+        """The norm of the factors of all shortfalls."""
+        return float(np.sqrt(self.weights.sum()))
+
     def sums(self, model: LGMD2) -> tuple[Sums, ...]:
         """MP and F of every clip: all that the cell sees."""
         return tuple(batch.sums(model) for batch in self.batches)

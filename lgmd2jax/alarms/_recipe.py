@@ -12,18 +12,14 @@ import numpy as np
 
 from lgmd2jax._files.catalogue import beside, read_named
 from lgmd2jax._network.lgmd2 import LGMD2
-from lgmd2jax._protocol.arguments import check_keys, section
+from lgmd2jax._schemas.check import check
+from lgmd2jax._schemas.recipes import RECIPE
 from lgmd2jax.alarms._clip import LabelledClip
 from lgmd2jax.alarms._fit import fit
 from lgmd2jax.alarms._label_file import LabelFile, Rendering, load_labels
 from lgmd2jax.alarms._result import AlarmFit
 from lgmd2jax.fitting import Free
 from lgmd2jax.fitting._sections import free_of, model_of
-
-KIND = "alarms"
-_KEYS = ("protocol", "kind", "preset", "parameters", "structure", "free", "weights", "solver", "validation")
-_SOLVER = ("pixel_points", "cell_points", "generations", "descend", "temperatures", "max_steps", "seed")
-_WEIGHTS = ("miss", "false_alarm")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -73,32 +69,32 @@ def load_recipe(source: str | Path) -> AlarmRecipe:
 
     **Raises:** `ValueError`, which names the file and the key, for what is not such a recipe; `FileNotFoundError`.
     """
-    return read_named(source, "fits", alarm_recipe)
+    return read_named(source, "fits", _checked_recipe)
 
 
 def alarm_recipe(path: Path, table: dict[str, Any]) -> AlarmRecipe:
-    """The recipe of a fit to labelled clips that a TOML file holds.
+    """The recipe of a fit to labelled clips that a TOML file, whose form is checked, holds.
 
     **Raises:** `ValueError`, which names the key, for what is not such a recipe; `FileNotFoundError`.
     """
-    if table.get("kind") != KIND:
-        raise ValueError(f"kind is {table.get('kind', 'missing')!r}; a fit to labelled clips has kind {KIND!r}")
-    check_keys(table, _KEYS)
-    for key in ("protocol", "free"):
-        if key not in table:
-            raise ValueError(f"{key} is missing")
     file = load_labels(beside(path, table["protocol"]))
-    validation = section(table, "validation", [field.name for field in dataclasses.fields(Rendering)])
-    held_out = Rendering(**validation) if validation else None
+    held_out = Rendering(**table["validation"]) if "validation" in table else None
     if held_out is not None and file.rendered is not None and held_out.seed == file.rendered.seed:
-        raise ValueError(f"validation has the seed {held_out.seed} of the clips that are fitted; give another one")
+        raise ValueError(f"validation.seed = {held_out.seed}: is that of the clips that are fitted; give another one")
     return AlarmRecipe(
         name=path.stem,
         model=model_of(table, file.eye),
         free=free_of(table),
         file=file,
-        weights=section(table, "weights", _WEIGHTS),
-        solver=section(table, "solver", _SOLVER),
+        weights=table.get("weights", {}),
+        solver=table.get("solver", {}),
         validation=held_out,
         table=table,
     )
+
+
+def _checked_recipe(path: Path, table: dict[str, Any]) -> AlarmRecipe:
+    if table.get("kind") != "alarms":
+        raise ValueError(f"kind is {table.get('kind', 'missing')!r}; a fit to labelled clips has kind 'alarms'")
+    check(RECIPE, table)
+    return alarm_recipe(path, table)

@@ -23,7 +23,7 @@ def headline(evaluation: Evaluation) -> str:
 
 
 def clip_section(evaluation: Evaluation, left_out: Mapping[str, int]) -> Section:
-    """A row for each clip. `left_out`: what the best set without a clip gets wrong on it, by the clip's name."""
+    """A row for each clip. `left_out`: what a set chosen without a clip gets wrong on it, by the clip's name."""
     verdicts, score = evaluation.verdicts(), evaluation.score()
     worst_first = sorted(verdicts, key=lambda verdict: (verdict.right, verdict.margin))
     rows = verdicts if len(verdicts) <= _MOST else worst_first[:_MOST]
@@ -75,8 +75,9 @@ def search_section(
     if left_out:
         kept = sum(not wrong for wrong in left_out.values())
         sentences.append(
-            f"Chosen anew without a clip, among the same sets, the best is right on that clip {kept} times of "
-            f"{len(left_out)}."
+            f"Searched and chosen without a clip, the best set is right on that clip {kept} times of {len(left_out)}. "
+            "Each such search looks at the sets anywhere and closer around the best of these, so less far than the "
+            "fit."
         )
     if stopped:
         sentences.append("Stopped by hand: this is the best so far.")

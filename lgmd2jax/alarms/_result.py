@@ -27,7 +27,8 @@ class AlarmFit:
       right on all clips.
     - `ranges`: between which values each parameter lay in those.
     - `descended`: the best starts, and what descending brought.
-    - `left_out`: for each clip what the set at least risk without it gets wrong on it; empty for many clips.
+    - `left_out`: for each clip what a set gets wrong on it that was searched and chosen without it; empty for many
+      clips.
     - `stopped`: whether it was stopped by hand.
     """
 

@@ -54,9 +54,10 @@ def risk(contender: Contender) -> float:
 
 @dataclasses.dataclass(frozen=True)
 class Screening:
-    """What became of a start.
+    """What became of a point anywhere.
 
-    - `best`: the contender at least risk. `best_without`: the same without the events of a clip, by its number.
+    - `best`: the contender at least risk. `best_without`: the same without the events of a clip, by its number, among
+      cells that were chosen without them too.
     - `count`, `right`: how many cells were tried anywhere, and how many of them were right on all clips.
     - `ends`: lowest and highest values of these, in the unit box; None where none was right.
     """
@@ -90,17 +91,27 @@ class AlarmStarts:
     left_out: Mapping[int, Bool[np.ndarray, " event"]]
 
     def screenings(self, results: Mapping[int, Result]) -> dict[int, Screening]:
-        """What `screen` and `near` found, from their plain data."""
+        """What `screen` found, from its plain data."""
         return {number: self._screening(plain) for number, plain in results.items()}
 
     def compile_screening(self) -> None:
         """Judge the cells of one start, so that threads find it compiled."""
         point = self.search.points[0]
-        self._best_of(point, sums_at(self.search.space, point), self._cells(0))
+        self._best_of(point, sums_at(self.search.space, point), self._cells(0), self._all)
 
     def screen(self, number: int, stop: Stop) -> Result:
-        """A point of the pixels' parameters, anywhere."""
-        return self._closing_in(self.search.points[number], self._cells(number), _ANYWHERE, number)
+        """A point of the pixels' parameters, anywhere.
+
+        Its first cells alone tell how many are right: those near the best say nothing of how large the region is.
+        """
+        point, cells = self.search.points[number], self._cells(number)
+        sums = sums_at(self.search.space, point)
+        peaks = self._peaks(point, sums, cells)
+        best, right = self._best(point, cells, peaks, self._all)
+        without = [self._best(point, cells, peaks, ~own)[0] for own in self.left_out.values()]
+        region = self._region(point, cells[right], len(cells))
+        best = self._closer(best, sums, _ANYWHERE, number, self._all)
+        return {**self._plain(best), "without": [dataclasses.asdict(contender) for contender in without], **region}
 
     def near(self, parents: Sequence[Sequence[float]], reach: float, number: int, stop: Stop) -> Result:
         """A point near a parent, with cells near the parent's."""
@@ -109,7 +120,14 @@ class AlarmStarts:
         moves = reach * chance.standard_normal(len(pixels)) * (chance.random(len(pixels)) < _MOVED)
         point = parent.copy()
         point[pixels] = np.clip(parent[pixels] + moves, 0, 1)
-        return self._closing_in(point, self._around(parent, 2 * reach, self._cells(number)), reach, number)
+        cells = self._around(parent, 2 * reach, self._cells(number))
+        return self._plain(self._closing_in(point, cells, reach, number))
+
+    def leave_out(self, chosen: Mapping[int, Contender], clip: int, stop: Stop) -> Result:
+        """The best contender without a clip's events, near the one `chosen` without them: no step sees the clip."""
+        point = np.array(chosen[clip].z)
+        sums = sums_at(self.search.space, point)
+        return self._plain(self._closer(chosen[clip], sums, _ANYWHERE, clip, ~self.left_out[clip]))
 
     def descend(self, chosen: Mapping[int, Contender], number: int, stop: Stop) -> Result:
         """The best contender that the hard model judged on the way to larger margins."""
@@ -119,64 +137,82 @@ class AlarmStarts:
                 break
             descent = self.search.descend(z, temperature, self.max_steps, stop)
             cells = self._around(descent.z, 2 * _AFTER_DESCENT, self._cells(number))
-            here = self._screening(self._closing_in(descent.z, cells, _AFTER_DESCENT, number)).best
+            here = self._closing_in(descent.z, cells, _AFTER_DESCENT, number)
             best, z = min(best, here, key=risk), np.array(here.z)
-        return {"after": dataclasses.asdict(best), "loss": best.loss}
+        return self._plain(best)
 
     def _cells(self, number: int) -> Float[np.ndarray, "cell entry"]:
         """Random cells; the given start's own is the first of the first start."""
         cells = self.search.cells(number)
         return cells if number else np.vstack([self.search.points[0, list(self.search.cell_entries)], cells[1:]])
 
+    @property
+    def _all(self) -> Bool[np.ndarray, " event"]:
+        return np.ones(len(self.search.space.events), bool)
+
     def _closing_in(
         self, point: Float[np.ndarray, " free"], cells: Float[np.ndarray, "cell entry"], radius: float, number: int
-    ) -> Result:
-        """Cells on the sums of a point's pixels, then others around the best of them, ever closer.
-
-        The first ones alone tell how many are right: those near the best say nothing of how large the region is.
-        """
+    ) -> Contender:
+        """The best of these cells on the sums of a point's pixels, and of others ever closer around it."""
         sums = sums_at(self.search.space, point)
-        best, right = self._best_of(point, sums, cells)
-        region = self._region(point, cells[right], len(cells))
+        best, _ = self._best_of(point, sums, cells, self._all)
+        return self._closer(best, sums, radius, number, self._all)
+
+    def _closer(
+        self, best: Contender, sums: tuple[Sums, ...], radius: float, number: int, among: Bool[np.ndarray, " event"]
+    ) -> Contender:
+        """The best of cells around a contender, ever closer, on the sums of its pixels."""
         for closer in range(_CLOSER):
-            around = self._around(np.array(best[0].z), radius / 2**closer, self.search.cells(number, closer))
-            contenders, _ = self._best_of(point, sums, around)
-            best = [min(pair, key=risk) for pair in zip(best, contenders, strict=True)]
-        return {"best": [dataclasses.asdict(contender) for contender in best], "loss": best[0].loss, **region}
+            around = self._around(np.array(best.z), radius / 2**closer, self.search.cells(number, closer))
+            best = min(best, self._best_of(np.array(best.z), sums, around, among)[0], key=risk)
+        return best
+
+    def _plain(self, best: Contender) -> Result:
+        return {"best": dataclasses.asdict(best), "loss": best.loss}
 
     def _screening(self, plain: Result) -> Screening:
-        best, *without = map(Contender.of, plain["best"])
+        without = map(Contender.of, plain["without"])
         by_clip = dict(zip(self.left_out, without, strict=True))
-        return Screening(best, by_clip, plain["count"], plain["right"], plain["ends"])
+        return Screening(Contender.of(plain["best"]), by_clip, plain["count"], plain["right"], plain["ends"])
+
+    def _peaks(
+        self, point: Float[np.ndarray, " free"], sums: tuple[Sums, ...], cells: Float[np.ndarray, "cell entry"]
+    ) -> Float[np.ndarray, "cell event"]:
+        return np.asarray(peaks_of(self.search.space, point, sums, cells))
 
     def _best_of(
-        self, point: Float[np.ndarray, " free"], sums: tuple[Sums, ...], cells: Float[np.ndarray, "cell entry"]
-    ) -> tuple[list[Contender], Bool[np.ndarray, " cell"]]:
-        """The best cell for all events, then without those of each clip; and which cells are right on all events."""
+        self,
+        point: Float[np.ndarray, " free"],
+        sums: tuple[Sums, ...],
+        cells: Float[np.ndarray, "cell entry"],
+        among: Bool[np.ndarray, " event"],
+    ) -> tuple[Contender, Bool[np.ndarray, " cell"]]:
+        return self._best(point, cells, self._peaks(point, sums, cells), among)
+
+    def _best(
+        self,
+        point: Float[np.ndarray, " free"],
+        cells: Float[np.ndarray, "cell entry"],
+        peaks: Float[np.ndarray, "cell event"],
+        among: Bool[np.ndarray, " event"],
+    ) -> tuple[Contender, Bool[np.ndarray, " cell"]]:
+        """The best cell for some of the events; and which cells are right on all of these."""
         problem = self.search.space
-        peaks = np.asarray(peaks_of(problem, point, sums, cells))
         freedom = problem.free.freedoms[problem.threshold]
-        events = [np.ones(len(problem.events), bool), *(~own for own in self.left_out.values())]
-        choices = [
-            choose(peaks[:, among], problem.wanted[among], problem.weights[among], freedom.low, freedom.high, _SLACK)
-            for among in events
-        ]
-        contenders = []
-        for choice in choices:
-            place, z = int(choice.risk.argmin()), np.array(point)
-            z[list(problem.cell_entries)] = cells[place]
-            z[problem.threshold] = float(freedom.place(choice.threshold[place]))
-            contenders.append(
-                Contender(
-                    z=tuple(z.tolist()),
-                    peaks=tuple(peaks[place].tolist()),
-                    loss=float(choice.risk[place]),
-                    threshold=float(choice.threshold[place]),
-                    cost=float(choice.cost[place]),
-                    margin=float(choice.margin[place]),
-                )
-            )
-        return contenders, choices[0].cost == 0
+        wanted, weights = problem.wanted[among], problem.weights[among]
+        choice = choose(peaks[:, among], wanted, weights, freedom.low, freedom.high, _SLACK)
+        place, z = int(choice.risk.argmin()), np.array(point)
+        z[list(problem.cell_entries)] = cells[place]
+        z[problem.threshold] = float(freedom.place(choice.threshold[place]))
+        best = Contender(
+            z=tuple(z.tolist()),
+            peaks=tuple(peaks[place].tolist()),
+            loss=float(choice.risk[place]),
+            threshold=float(choice.threshold[place]),
+            cost=float(choice.cost[place]),
+            margin=float(choice.margin[place]),
+        )
+        return best, choice.cost == 0
 
     def _around(
         self, centre: Float[np.ndarray, " free"], radius: float, cells: Float[np.ndarray, "cell entry"]

@@ -25,9 +25,12 @@ def run(options: argparse.Namespace) -> None:
     from lgmd2jax._figures.characterise import characterisation_figure
     from lgmd2jax._figures.style import check_figure_path
 
-    if len(options.models) > 1 and (options.ablate or options.raster):
-        option = "--ablate" if options.ablate else "--raster"
+    ablates = options.ablate is not None
+    if len(options.models) > 1 and (ablates or options.raster):
+        option = "--ablate" if ablates else "--raster"
         raise ValueError(f"{option} takes one model; give the others by themselves")
+    if options.seeds is not None and not options.raster:
+        raise ValueError("--seeds draws other noise for --raster; add --raster")
     if len(set(options.models)) < len(options.models):
         raise ValueError("a model is named twice; name each once")
     if options.figure:
@@ -51,10 +54,10 @@ def _examined(models: dict[str, AbstractNetwork | Fit], options) -> tuple[dict[s
     """The result of each model or variant by name, and remarks on their differences."""
     first = next(iter(models.values()))
     first = first.model if isinstance(first, Fit) else first
-    if options.ablate:
-        return ablations(first, progress=True), []
+    if options.ablate is not None:
+        return ablations(first, *options.ablate, progress=True), []
     if options.raster:
-        results = rasters(first, progress=True)
+        results = rasters(first, seeds=options.seeds or 0, progress=True)
         return results, differences(results)
     results = {}
     for name, model in models.items():

@@ -1,4 +1,4 @@
-"""`lgmd2jax export MODEL --python DIR`: all that a robot needs, in one folder."""
+"""`lgmd2jax export MODEL --python DIR | --c DIR`: all that a robot needs, in one folder."""
 
 import argparse
 from pathlib import Path
@@ -8,9 +8,19 @@ from lgmd2jax._files.atomic import replaced
 from lgmd2jax._handover.model_file import as_lgmd2, save
 from lgmd2jax._handover.named import model_file, model_named
 
+_ONLY_C = ("rows", "cols", "degrees_per_pixel", "fps", "ram", "protocol", "clip")
+
 
 def run(options: argparse.Namespace) -> None:
-    """Check the model, write both files, and say how to use them."""
+    """Check the model, write the files, and say how to use them."""
+    if options.c is not None:
+        from lgmd2jax.cli.export_c import export_c
+
+        export_c(options)
+        return
+    for name in _ONLY_C:
+        if getattr(options, name) is not None:
+            raise ValueError(f"--{name.replace('_', '-')} belongs to --c; hard.py takes frames of any size")
     model, folder = as_lgmd2(model_named(options.model)), options.python
     paths = folder / "model.json", folder / "hard.py"
     _check_place(folder, paths)

@@ -1,7 +1,6 @@
 """`lgmd2jax fit RECIPE` for a recipe of kind "alarms": from labelled clips to a model that a robot runs."""
 
 import argparse
-import dataclasses
 import time
 from collections.abc import Iterable
 from pathlib import Path
@@ -62,11 +61,11 @@ def _further(path: Path, recipe: AlarmRecipe) -> tuple[LabelledClip, ...]:
 
 
 def _held_out_scores(recipe: AlarmRecipe, model: LGMD2) -> HeldOutScores:
-    """The fitted model and the paper's, at both ends of its T_sp, on rendered clips that the fit did not see."""
+    """The fitted model and the paper's, at both ends of its T_sp and with its own N_ts, on clips that no fit saw."""
     clips = recipe.held_out()
     models = {"fitted": model}
     for T_sp in (float(preset("lgmd2").T_sp), _ROBOT_T_SP):
-        models[f"Table I, T_sp {T_sp:g}"] = dataclasses.replace(model, parameters=preset("lgmd2", T_sp=T_sp))
+        models[f"Table I, T_sp {T_sp:g}"] = LGMD2(preset("lgmd2", T_sp=T_sp), eye=model.eye)
     return HeldOutScores.of({name: evaluate(candidate, clips) for name, candidate in models.items()})
 
 

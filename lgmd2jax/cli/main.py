@@ -10,11 +10,10 @@ import traceback
 import warnings
 from collections.abc import Iterator
 from importlib.metadata import version
-from opcode import opname
 from types import ModuleType
 
 from lgmd2jax._compute.xla import set_flags
-from lgmd2jax._words import Remark
+from lgmd2jax._words import Remark, is_refusal
 from lgmd2jax.cli.options import characterise, export, fit, predict, respond, stimuli, sweep, watch
 
 _COMMANDS = (respond, watch, fit, predict, characterise, sweep, stimuli, export)
@@ -138,22 +137,6 @@ def _explanation(error: BaseException) -> tuple[str, int]:
     """What is said of an error, and the exit status."""
     if isinstance(error, KeyboardInterrupt):
         return _STOPPED, 130
-    if isinstance(error, OSError) or _is_refusal(error):
+    if isinstance(error, OSError) or is_refusal(error):
         return str(error), 1
     return f"internal error, {type(error).__name__}: {error}; please report it, with what --traceback shows", 70
-
-
-def _is_refusal(error: BaseException) -> bool:
-    """Whether a `raise` statement of this package made the error, and so wrote its message for the user.
-
-    What Python or another package raises is a fault of the program, also where a line of ours asked for it. The
-    instruction tells the two apart, since JAX cuts its own frames out of a traceback.
-    """
-    innermost = error.__traceback__
-    while innermost is not None and innermost.tb_next is not None:
-        innermost = innermost.tb_next
-    if innermost is None:
-        return False
-    package = innermost.tb_frame.f_globals.get("__name__", "").partition(".")[0]
-    instruction = innermost.tb_frame.f_code.co_code[innermost.tb_lasti]
-    return package == "lgmd2jax" and opname[instruction] == "RAISE_VARARGS"

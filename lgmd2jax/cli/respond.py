@@ -53,7 +53,7 @@ def run(options: argparse.Namespace) -> None:
         files = {path: stack.enter_context(replaced(path)) for path in outputs}
         writer = csv.writer(stack.enter_context(open(files[table], "w", newline="", encoding="utf-8")))
         writer.writerow(Row._fields)
-        film, overlay = None, Overlay(clip.size, model.parameters)
+        film, overlay = None, Overlay(clip.size, model)
         if options.overlay:
             film = stack.enter_context(video_writer(files[options.overlay], clip.fps))
         if options.drop_duplicates:
@@ -71,7 +71,7 @@ def run(options: argparse.Namespace) -> None:
         trace = Trace.of(rows)
         seconds = time.perf_counter() - start
         title = f"{options.clip.name}: {_model_text(options)}, {clip.shape[0]} x {clip.shape[1]} pixels"
-        response_figure(files[figure], trace, model.parameters, snapshots.chosen(), title)
+        response_figure(files[figure], trace, model, snapshots.chosen(), title)
     print("\n".join(_summary(options, clip, trace, seconds)))
     print("wrote     " + ", ".join(str(path) for path in outputs))
 

@@ -15,7 +15,8 @@ from tqdm import tqdm
 from lgmd2jax._figures.contact_sheet import Card
 from lgmd2jax._files.atomic import replaced
 from lgmd2jax._files.catalogue import read_named, results_folder
-from lgmd2jax._protocol.protocol import Protocol, protocol_of
+from lgmd2jax._protocol.condition import Protocol
+from lgmd2jax._protocol.protocol import protocol_of
 from lgmd2jax._video.clip_files import clips_folder, write_clip
 from lgmd2jax.alarms import LabelFile, LabelledClip
 from lgmd2jax.alarms._label_file import label_file

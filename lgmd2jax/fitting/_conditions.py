@@ -5,7 +5,7 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from lgmd2jax._protocol.protocol import Condition, Protocol
+from lgmd2jax._protocol.condition import Condition, Protocol
 from lgmd2jax._targets.target import AnyTarget, Target
 from lgmd2jax.stimuli import Stimulus
 

@@ -16,6 +16,7 @@ from lgmd2jax._compute.fingerprint import fingerprint
 from lgmd2jax._compute.finished_work import Memory
 from lgmd2jax._compute.tasks import Result, Work
 from lgmd2jax._network.abstract import AbstractNetwork
+from lgmd2jax._network.noise import inhibition_in_noise
 from lgmd2jax._network.thresholds import Hard, Soft, StraightThrough
 from lgmd2jax._targets.observation import Observation, observation_symbols
 from lgmd2jax._words import nearest
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
     from distributed import Client
 
 _SHARES = (0.25, 0.5, 0.75, 1.0)  # of the way from the start to the end of a descent, among which a score chooses
+_LOUD = 0.5  # of the inhibiting FFI; noise that reaches it takes part of the response away
 _APART = 0.02  # in the unit box; starts closer to a better one are not descended
 
 
@@ -122,8 +124,8 @@ def fit(
         solver=solver,
     )
     starts = CurveStarts(search, max_steps)
-    digest = "" if memory is None else fingerprint(starts)
-    with Work({} if memory is None else memory, progress, client, digest) as work:
+    digest, total = "" if memory is None else fingerprint(starts), pixel_points + descend + 1
+    with Work({} if memory is None else memory, progress, client, digest=digest, total=total) as work:
         screened = work.do("screening", starts.screen, range(pixel_points), starts.compile_screening)
         chosen = _apart(screened, descend)
         if not chosen:
@@ -172,6 +174,7 @@ def fit(
             "data": int(problem.known().sum()) - problem.priors,
             "num_steps": sum(run.steps for run in runs),
             **choice,
+            **_loudest(model, pairs),
             "rules": _rules(pairs),
         },
         problem=problem,
@@ -240,6 +243,18 @@ def _hard_loss(problem: Problem, z: Float[Array, " free"]) -> Float[Array, ""]:
 def _not_run(point: Result) -> Run:
     z, loss = tuple(point["z"]), point["loss"]
     return Run(z, z, loss, loss, float("inf"), (), STOPPED)
+
+
+def _loudest(model: AbstractNetwork, pairs: Sequence[Rendered]) -> dict[str, Any]:
+    """Of the conditions filmed with noise the one in which noise alone inhibits most, where that is much."""
+    noises = {(float(each.parameters["noise"]), each.fps) for each, _ in pairs if "noise" in each.parameters}
+    model = dataclasses.replace(model, thresholds=Hard(), eye=None)
+    shares = {(noise, fps): inhibition_in_noise(model, noise, fps) for noise, fps in noises}
+    loudest = max(shares, key=lambda pair: shares[pair], default=None)
+    if loudest is None or shares[loudest] < _LOUD:
+        return {}
+    noise, fps = loudest
+    return {"inhibition_in_noise": {"noise": noise, "fps": fps, "share": shares[loudest]}}
 
 
 def _rules(pairs: Sequence[Rendered]) -> dict[str, int]:

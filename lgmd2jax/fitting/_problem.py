@@ -123,6 +123,12 @@ class Problem(Space[AbstractNetwork]):
         return jnp.concatenate([self.differences(curves), self.free.penalties(z)]), curves
 
     @property
+    def scale(self) -> float:
+        """The norm of the factors of all differences."""
+        rows = [slot.scale / jnp.sqrt(slot.thinning)[:, None] for batch in self.batches for slot in batch.slots]
+        return float(jnp.linalg.norm(jnp.concatenate([row.ravel() for row in rows])))
+
+    @property
     def priors(self) -> int:
         """How many of the residuals, at their end, are penalties."""
         return sum(freedom.has_prior for freedom in self.free.structure)

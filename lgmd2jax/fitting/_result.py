@@ -13,7 +13,7 @@ from lgmd2jax._compute.finished_work import Memory
 from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.parameters import ParameterSet
 from lgmd2jax._network.thresholds import Hard
-from lgmd2jax._protocol.protocol import Condition
+from lgmd2jax._protocol.condition import Condition
 from lgmd2jax._reports.section import Section, as_html, as_text, unfinished_section
 from lgmd2jax._targets.observation import Observation, observation_symbols
 from lgmd2jax._targets.target import Target
@@ -204,6 +204,13 @@ class Fit:
                     f"{curve.condition}, {curve.channel}: soft and hard model differ by {curve.gap:.0%} of the "
                     "span; trust the hard one, and errors and intervals with care."
                 )
+        if loud := self.stats.get("inhibition_in_noise"):
+            threshold = self.model.levels.inhibited_from
+            remarks.append(
+                f"The conditions' noise alone, {loud['noise']:g} grey levels at {loud['fps']:g} frames per second, "
+                f"brings the inhibition to {loud['share']:.0%} of {threshold}: let "
+                f"{'T_p' if threshold == 'A_ffi' else threshold} rise."
+            )
         if self.curved:
             remarks.append(
                 f"Rough intervals, within which the curves bend: {', '.join(self.curved)}. Profiles are right."

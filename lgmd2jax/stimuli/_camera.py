@@ -45,7 +45,7 @@ def camera(
     flicker_hz = number("flicker_hz", flicker_hz, Hertz, 0)
     blur = number("blur", blur, Pixels, 0)
     frames = _film(stimulus.frames, stimulus.time, key, noise, flicker, flicker_hz, blur, bits)
-    return dataclasses.replace(stimulus, frames=frames)
+    return dataclasses.replace(stimulus, frames=frames, parameters={**stimulus.parameters, "noise": noise})
 
 
 @functools.partial(jax.jit, static_argnames="bits")

@@ -25,7 +25,8 @@ class Stimulus(eqx.Module):
     - `fps`: frames per second.
     - `time`: of each frame in ms; 0 is the event (collision, onset of motion), and always falls on a frame.
     - `name`: the family that it belongs to.
-    - `parameters`: the numbers that it was rendered with, by the names of the family's arguments.
+    - `parameters`: the numbers that it was rendered with, by the names of the family's arguments; `noise`
+      where a camera filmed.
     - `courses`: what was shown over time, by name with its unit, such as `"full_angle_deg"`.
     """
 

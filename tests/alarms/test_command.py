@@ -15,6 +15,7 @@ from lgmd2jax._figures.alarms import clips_figure
 from lgmd2jax.alarms import Rendering, evaluate, load_labels
 from lgmd2jax.alarms._starts import AlarmStarts
 from lgmd2jax.cli import main
+from lgmd2jax.cli.fit_alarms import _held_out_scores
 from tests.videos import noise, write_video
 
 PROTOCOL = """
@@ -59,7 +60,7 @@ def place(tmp_path_factory):
     write_video(place / "own.mkv", list(noise(30)))
     (place / "own.toml").write_text(PROTOCOL.split("[rendered]")[0] + '[[clip]]\nfile = "own.mkv"\n')
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("lgmd2jax.alarms._decoding.user_cache_path", lambda name: place / name)
+        patch.setattr("lgmd2jax.alarms._decoding.cache_folder", lambda: place / "lgmd2jax")
         assert not main(["fit", str(place / "mine.toml"), "--clips", str(place / "own.toml")])
     return place
 
@@ -86,6 +87,21 @@ def test_the_folder(place):
     assert "Table I, T_sp 0.65" in report
 
 
+def test_the_paper_is_scored_with_its_own_structure(place, monkeypatch):
+    """Eq. 17 of Table I looks back by 4 frames, whatever the recipe's model does."""
+    judged = []
+    monkeypatch.setattr(
+        "lgmd2jax.cli.fit_alarms.evaluate", lambda model, clips: judged.append(model) or evaluate(model, clips)
+    )
+    recipe = lgmd.alarms.load_recipe(place / "mine.toml")
+    fitted = dataclasses.replace(recipe.model, N_ts=6)
+    scores = _held_out_scores(recipe, fitted)
+    assert list(scores.scores) == ["fitted", "Table I, T_sp 0.78", "Table I, T_sp 0.65"]
+    assert [model.N_ts for model in judged] == [6, 4, 4]
+    assert [float(model.parameters.T_sp) for model in judged[1:]] == pytest.approx([0.78, 0.65])
+    assert [float(model.parameters.N_sp) for model in judged[1:]] == [lgmd.preset("lgmd2").N_sp] * 2
+
+
 def test_the_handed_over_model_alarms_as_the_report_says(place):
     eye = lgmd.load(place / "mine/model.json").eye
     assert eye is not None
@@ -106,10 +122,10 @@ def test_the_handed_over_model_alarms_as_the_report_says(place):
 @pytest.mark.parametrize(
     ("recipe", "message"),
     [
-        (RECIPE.replace("seed = 9", "seed = 2"), "validation has the seed 2 of the clips that are fitted"),
-        (RECIPE.replace("[solver]", "[solver]\nloss = 'huber'"), "unknown key 'loss'"),
-        (RECIPE.replace("clips.toml", "looming"), "unknown key 'condition'"),
-        (RECIPE.replace("k = {", "kk = {"), "free parameter is 'kk'"),
+        (RECIPE.replace("seed = 9", "seed = 2"), "validation.seed = 2: is that of the clips that are fitted"),
+        (RECIPE.replace("[solver]", "[solver]\nloss = 'huber'"), "solver.loss = 'huber': unknown key"),
+        (RECIPE.replace("clips.toml", "looming"), "condition = [{"),
+        (RECIPE.replace("k = {", "kk = {"), "free.kk = {"),
     ],
 )
 def test_a_recipe_that_is_none_says_why_in_one_line(place, recipe, message, capsys):

@@ -30,6 +30,17 @@ def test_alarms_are_those_of_the_network_at_any_threshold(clips):
     assert on > 0
 
 
+@pytest.mark.parametrize("N_sp", [0.4, 1.0, 4.3, 5.0])
+def test_a_number_of_spikes_that_is_not_whole_counts_as_in_the_network(clips, N_sp):
+    model = dataclasses.replace(MODEL, parameters=lgmd.preset("lgmd2", T_sp=0.65, k=0.5, N_sp=N_sp))
+    on = 0
+    for clip, trace in zip(clips, evaluate(model, clips).evidence, strict=True):
+        collision = np.asarray(model(clip.frames.astype(np.float32)).collision)
+        np.testing.assert_array_equal(trace >= 0.65, collision > 0)
+        on += collision.sum()
+    assert on > 0
+
+
 def test_the_numbers_of_a_clip():
     trace = np.array([0.5, 0.7, 0.5, 0.5, 0.9, 0.9, 0.5, 0.72, 0.5, 0.6])
     clip = LabelledClip.of("c", np.zeros((10, 3, 3)), 10, windows=[(3, 5)], silent=[(0, 1), (7, 9)], contact=7)

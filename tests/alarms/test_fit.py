@@ -1,11 +1,13 @@
 """Fits of alarms: a known network's verdicts are found again, the margin is what it says, and descents widen it."""
 
 import dataclasses
+import io
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from tqdm import tqdm
 
 import lgmd2jax as lgmd
 from lgmd2jax.alarms import LabelledClip, Rendering, evaluate, fit
@@ -96,6 +98,39 @@ def test_what_is_left_out_is_judged_by_the_best_of_the_others(clips, fitted):
     assert sum(wrong == 0 for wrong in fitted.left_out.values()) >= len(clips) / 2
 
 
+def test_a_choice_without_a_clip_does_not_change_with_its_labels(clips):
+    """Neither the points that were looked at nor the cells around them come from what the clip asks for."""
+    number = next(i for i, clip in enumerate(clips) if clip.windows)
+    clip = clips[number]
+    (first, last), *_ = clip.windows
+    other = LabelledClip.of(clip.name, clip.frames, 30, windows=[(12, 14)], silent=[(first, last)])
+    settings = {**SETTINGS, "pixel_points": 2, "cell_points": 32, "descend": 0, "generations": 2}
+    chosen = []
+    for labelled in (clips, [*clips[:number], other, *clips[number + 1 :]]):
+        memory = {}
+        fit(START, labelled, FREE, **settings, memory=memory)
+        chosen.append({i: memory[f"leaving out {i}"]["best"]["z"] for i in range(len(clips))})
+    assert chosen[0][number] == chosen[1][number]
+    assert chosen[0] != chosen[1]  # the others saw it
+
+
+def test_one_bar_counts_all_tasks(clips, monkeypatch):
+    bars = []
+
+    class Bar(tqdm):
+        def __init__(self, *given, **settings):
+            super().__init__(*given, **settings, file=io.StringIO())
+            bars.append(self)
+
+        def reset(self, total=None):
+            raise AssertionError("the bar began anew")
+
+    monkeypatch.setattr("lgmd2jax._compute.tasks.tqdm", Bar)
+    fit(START, clips, FREE, **{**SETTINGS, "pixel_points": 2, "cell_points": 16, "max_steps": 1}, progress=True)
+    (bar,) = bars
+    assert bar.n == bar.total == 2 + 1 + 1 + len(clips)
+
+
 def test_ranges_hold_the_sets_that_are_right(fitted):
     for name, (low, high) in fitted.ranges.items():
         freedom = fitted.free.freedoms[fitted.free.names.index(name)]
@@ -107,7 +142,7 @@ def test_the_same_key_gives_the_same_fit_and_memory_goes_on(clips, fitted):
     memory = {}
     again = fit(START, clips, FREE, **SETTINGS, memory=memory)
     assert again.z.tolist() == fitted.z.tolist()
-    assert {task.split()[0] for task in memory} == {"digest", "screening", "generation", "descending"}
+    assert {task.split()[0] for task in memory} == {"digest", "screening", "generation", "descending", "leaving"}
     assert fit(START, clips, FREE, **SETTINGS, memory=memory).z.tolist() == fitted.z.tolist()
 
 

@@ -22,7 +22,7 @@ fps = 30
 def place(tmp_path, monkeypatch):
     """A folder with a clip of 60 frames, every sixth a repeat, and a cache of its own."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    monkeypatch.setattr(module, "user_cache_path", lambda name: tmp_path / "cache" / name)
+    monkeypatch.setattr(module, "cache_folder", lambda: tmp_path / "cache" / "lgmd2jax")
     pictures = noise(60)
     pictures[5::6] = pictures[4::6]
     write_video(tmp_path / "crash.mkv", list(pictures))
@@ -153,9 +153,9 @@ def test_the_shipped_file_and_rendered_clips():
     ("text", "message"),
     [
         ("", "mine.toml: no clips; write each under"),
-        ('[[clip]]\nfile = "other.mp4"\n', r"clip 1: there is no .*other.mp4; labels need their clip"),
-        ("[[clip]]\nalarm = [[1, 2]]\n", "clip 1: file is missing"),
-        ('[[clip]]\nfile = "crash.mkv"\nwindows = [[1, 2]]\n', "unknown key 'windows'"),
+        ('[[clip]]\nfile = "other.mp4"\n', r"clip\[0\]\.file: there is no .*other.mp4; labels need their clip"),
+        ("[[clip]]\nalarm = [[1, 2]]\n", r"clip\[0\]\.file is missing"),
+        ('[[clip]]\nfile = "crash.mkv"\nwindows = [[1, 2]]\n', r"clip\[0\]\.windows = .*: unknown key; did you mean"),
         ('[[clip]]\nfile = "crash.mkv"\nalarm = [[50, 70]]\n', "crash: alarm 50 to 70 lies outside of the clip"),
         ('[[clip]]\nfile = "crash.mkv"\nalarm = [[50, 40]]\n', "crash: alarm 50 to 40 is reversed"),
         (
@@ -166,7 +166,13 @@ def test_the_shipped_file_and_rendered_clips():
         ('[[clip]]\nfile = "crash.mkv"\ncontact = 40\nbefore_ms = [0, 500]\n', "give two times before contact"),
         ('[[clip]]\nfile = "crash.mkv"\ncontact = 61\n', "contact is 61; give a frame of 0 to 59"),
         ('[[clip]]\nfile = "crash.mkv"\nalarm = [[1, 2]]\nbefore_ms = [9, 0]\n', "alarm and before_ms are both given"),
-        ("[rendered]\ncount = 0\n", "count is 0; give a whole number of clips"),
+        ("[rendered]\ncount = 0\n", r"rendered\.count = 0: must be 1 or more"),
+        ('[[clip]]\nfile = "crash.mkv"\nalarm = -1\n', r"clip\[0\]\.alarm = -1: must be a list"),
+        ('[[clip]]\nfile = "crash.mkv"\nalarm = [1, 2]\n', r"clip\[0\]\.alarm\[0\] = 1: must be a list"),
+        ('[[clip]]\nfile = "crash.mkv"\nfps = [true]\n', r"clip\[0\]\.fps = \[True\]: must be a number"),
+        ('[[clip]]\nfile = "crash.mkv"\ncrop = {}\n', r"clip\[0\]\.crop = \{\}: must be a text"),
+        ('[[clip]]\nfile = "crash.mkv"\nresize = 1e9\n', r"clip\[0\]\.resize = 1.*: must be a whole number"),
+        ('[[clip]]\nfile = "crash.mkv"\nuntil_damage = 1\n', r"clip\[0\]\.until_damage = 1: must be true or false"),
         ("[rendered]\ncount = 4\nalarm_below_ms = 3000\n", "let both be positive and the first not the larger"),
     ],
 )

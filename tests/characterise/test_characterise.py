@@ -175,7 +175,7 @@ def test_a_second_model_compiles_nothing_anew(caplog):
         second = lgmd.characterise(other)
         variants = lgmd.ablations(other)
     assert not [text for text in caplog.messages if "Finished XLA compilation" in text]
-    assert list(variants) == ["intact", "without ffi", "without sfa", "without lateral", "without on"]
+    assert list(variants) == ["intact", "without ffi", "without sfa", "without lateral", "without on", "without off"]
     for a, b in zip(second.rows, variants["intact"].rows, strict=True):
         np.testing.assert_array_equal(a.values, b.values)
     assert variants["without sfa"][14].values[0] == pytest.approx(1)

@@ -35,8 +35,9 @@ def shown(monkeypatch, found):
         models.append(model)
         return found
 
-    def variants(model, **_):
-        return {"as it is": answer(model), "else": found}
+    def variants(model, *mechanisms, seeds=0, **_):
+        named = {f"without {name}": found for name in mechanisms} | {f"noise {i}": found for i in range(seeds)}
+        return {"as it is": answer(model), "else": found, **named}
 
     monkeypatch.setattr(command, "characterise", answer)
     monkeypatch.setattr(command, "ablations", variants)
@@ -81,9 +82,20 @@ def test_variants_of_one_model(shown, option, capsys):
     assert capsys.readouterr().err == f"lgmd2jax: {option} takes one model; give the others by themselves\n"
 
 
+def test_mechanisms_and_seeds_are_chosen(shown, capsys):
+    assert main(["characterise", "preset:lgmd2", "--ablate", "sfa", "on"]) == 0
+    head = capsys.readouterr().out.splitlines()[0]
+    assert "without sfa" in head
+    assert "without on" in head
+    assert main(["characterise", "preset:lgmd2", "--raster", "--seeds", "2"]) == 0
+    assert "noise 1" in capsys.readouterr().out.splitlines()[0]
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
+        (["preset:lgmd2", "--seeds", "2"], "--seeds draws other noise for --raster; add --raster"),
+        (["preset:lgmd2", "--ablate", "sizes"], "mechanism is 'sizes'; choose"),
         (["preset:lgmd3"], "lgmd2"),
         (["nothing.json"], "no such file: nothing.json"),
         (["preset:lgmd2", "preset:lgmd2"], "named twice"),

@@ -117,15 +117,15 @@ def test_predict_writes_the_fitted_channel(place, results, capsys):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (("k = {", "q = {"), "free parameter is 'q'"),
-        (("[free]", "[fee]"), "unknown key 'fee'"),
+        (("k = {", "q = {"), "free.q = {"),
+        (("[free]", "[fee]"), ": unknown key; did you mean 'free'"),
         (("mine.toml", "other.toml"), "no such file: other.toml"),
-        (("seed = 3", "seeds = 3"), "unknown key 'seeds'; did you mean 'seed'"),
+        (("seed = 3", "seeds = 3"), "solver.seeds = 3: unknown key; did you mean 'seed'"),
         (("high = 2,", "high = 0.3,"), "k starts at 1, outside of its bounds"),
-        (('"log"', '"loog"'), "k has scale 'loog'"),
+        (('"log"', '"loog"'), "free.k.scale = 'loog': choose 'log' or 'linear'"),
         (('["k"]', '["T_sp"]'), "'T_sp' is not free"),
-        (("T_s = 5", "T_s = -5"), "T_s is -5"),
-        (("pixel_points = 4", "pixel_points = 0"), "pixel_points is 0"),
+        (("T_s = 5", "T_s = -5"), "parameters.T_s = -5: must be 0 or more"),
+        (("pixel_points = 4", "pixel_points = 0"), "solver.pixel_points = 0: must be 1 or more"),
     ],
 )
 def test_a_wrong_recipe_is_one_line_and_nothing_is_written(place, capsys, change, message):

@@ -11,6 +11,7 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
 
 import lgmd2jax as lgmd
 from lgmd2jax._figures.response import BLUE, GREEN, SKY, VERMILION, response_figure
@@ -276,6 +277,20 @@ def test_a_white_level_and_a_damaged_end_can_be_told(tmp_path, monkeypatch, caps
     assert 5 < len(table("deep.csv")) < 40
 
 
+def test_the_figure_has_the_inhibition_in_the_unit_of_the_model(tmp_path, monkeypatch):
+    figures = []
+    monkeypatch.setattr(Figure, "savefig", lambda figure, path: figures.append(figure))
+    half = np.full(3, 0.5)
+    trace = Trace(np.arange(3), np.linspace(0, 66, 3), half, half / 4, half, half, np.arange(3) * 0, np.arange(3) * 0)
+    shot = Snapshot(0, 0.0, False, loom(1)[0])
+    for mechanisms in ((), ("size",)):
+        response_figure(tmp_path / "response.png", trace, lgmd.LGMD2(mechanisms=mechanisms), [shot], "")
+    panels = [next(axes for axes in figure.axes if axes.get_ylabel().startswith("FFI")) for figure in figures]
+    assert [axes.get_ylabel() for axes in panels] == ["FFI\n(grey levels)", "FFI\nshare of the field"]
+    assert [axes.texts[0].get_text() for axes in panels] == ["T_ffi", "A_ffi"]
+    assert panels[1].texts[0].xy[1] == pytest.approx(0.09)
+
+
 def test_matplotlib_is_left_as_it_was(tmp_path):
     before = dict(mpl.rcParams)
     zeros = np.zeros(3)
@@ -283,7 +298,7 @@ def test_matplotlib_is_left_as_it_was(tmp_path):
         np.arange(3), np.linspace(0, 66, 3), zeros, zeros, zeros + 0.5, zeros + 0.5, np.arange(3) * 0, np.arange(3) * 0
     )
     shot = Snapshot(0, 0.0, False, loom(1)[0])
-    response_figure(tmp_path / "rest.png", trace, lgmd.Parameters(), [shot], "at rest")
+    response_figure(tmp_path / "rest.png", trace, lgmd.LGMD2(), [shot], "at rest")
     assert dict(mpl.rcParams) == before
 
 

@@ -133,7 +133,7 @@ def test_clips_of_an_earlier_run_are_replaced_and_nothing_else_is(protocol, caps
     ("change", "message"),
     [
         (("0.2]", "3.0]"), "condition 'dark/light loom 3': contrast is 3"),
-        (("looming", "zooming"), "family is 'zooming'"),
+        (("looming", "zooming"), "condition[0].family = 'zooming': choose 'looming'"),
         (("[eye]", "[eye"), "not a TOML file"),
     ],
 )

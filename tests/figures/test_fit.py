@@ -114,6 +114,15 @@ def test_a_band_is_shaded_and_has_no_line(figures):
     assert {"target", "target band"} <= {words.get_text() for words in legend.get_texts()}
 
 
+def test_rows_are_left_out_where_no_condition_has_the_channel(figures):
+    names = [f"loom {number}" for number in range(7)]
+    fit_figure("any.png", [curve(name) for name in names], "one channel")
+    fit_figure("any.png", [*two_channels(names[:1]), *(curve(name) for name in names[1:])], "spikes once")
+    fit_figure("any.png", two_channels(names), "spikes throughout")
+    one, once, throughout = (figure.get_figheight() for figure in figures)
+    assert once - one == pytest.approx((throughout - one) / 2)
+
+
 def test_axes_have_units_and_channels_share_their_range(figures):
     fit_figure("any.png", [curve("a", "rate"), curve("b", "rate", soft=np.full(30, 3.0)), *two_channels()], "all")
     panels = figures[0].axes

@@ -1,5 +1,7 @@
 """What else a model must do beside its curves: a score chooses among candidates; what acts on nothing is refused."""
 
+import dataclasses
+
 import jax
 import numpy as np
 import pytest
@@ -37,6 +39,23 @@ def test_the_highest_score_decides_and_of_equals_the_least_loss():
     indifferent = fit(choose=lambda candidate: 0.0)
     assert indifferent.loss == pytest.approx(indifferent.stats["choice"]["least_loss"])
     assert indifferent.values["theta2"] == pytest.approx(TRUTH, rel=0.05)
+
+
+@pytest.mark.parametrize(("T_p", "told"), [(5.0, True), (60.0, False)])
+def test_noise_that_inhibits_by_itself_is_told(T_p, told):
+    """At 50 frames per second noise of 2 grey levels reaches 5 in a step, but never 60."""
+    network = model(START, mechanisms=("size",))
+    network = dataclasses.replace(network, parameters=dataclasses.replace(network.parameters, T_p=T_p))
+    filmed = lgmd.stimuli.camera(LOOM, jax.random.key(0), noise=2.0)
+    target = lgmd.Target("smp_adapted", np.asarray(network(filmed.frames).smp_adapted))
+    counts = {"pixel_points": 2, "cell_points": 2, "descend": 1, "temperatures": [0.05], "max_steps": 2}
+    fit = lgmd.fit(network, [(filmed, target)], lgmd.Free(theta2=(1, 6)), key=jax.random.key(0), **counts)
+    remark = next((sentence for sentence in fit.remarks() if "of A_ffi: let T_p rise" in sentence), "")
+    assert bool(remark) == told
+    assert ("inhibition_in_noise" in fit.stats) == told
+    if told:
+        share = lgmd.inhibition_in_noise(fit.model, 2.0, 50.0)
+        assert f"2 grey levels at 50 frames per second, brings the inhibition to {share:.0%} of A_ffi" in remark
 
 
 @pytest.mark.parametrize(

@@ -55,6 +55,17 @@ def test_a_soft_model_comes_back(soft_fit):
     assert all(curve.r2("soft") > 1 - 1e-9 for curve in soft_fit.curves)
 
 
+def test_small_weights_do_not_end_a_descent_early(looms):
+    """Weights count by their ratios alone."""
+    start = model_of(lgmd.Soft(1.0), theta2=2.0, k=0.6, tau3=400.0)
+    settings: dict[str, Any] = {**QUICK, "pixel_points": 1, "cell_points": 1, "descend": 1}
+    pairs = conditions(looms, model_of(lgmd.Soft(1.0), **TRUTH))
+    light = [(stimulus, lgmd.Weighted(target, weight=1e-14)) for stimulus, target in pairs]
+    fit = lgmd.fit(start, light, FREE, key=KEY, **settings)
+    for name, value in TRUTH.items():
+        np.testing.assert_allclose(fit.values[name], value, rtol=1e-5)
+
+
 def test_stimuli_of_one_family_keep_names_of_their_own(soft_fit):
     assert [curve.condition for curve in soft_fit.curves] == ["looming 1", "looming 2"]
 

@@ -108,6 +108,12 @@ def test_a_frame_that_is_none_is_refused(path, frame):
         hard.load(path).step(frame)
 
 
+def test_a_masked_frame_is_refused(path):
+    """NumPy would take what is masked for pixels."""
+    with pytest.raises(ValueError, match="frame is masked; fill"):
+        hard.load(path).step(np.ma.masked_greater(FRAMES[0], 100))
+
+
 def test_it_is_written_in_python_3_8():
     """Its grammar, and none of the later functions that are likely to creep in."""
     tree = ast.parse(SOURCE.read_text(), feature_version=(3, 8))

@@ -248,16 +248,31 @@ def test_the_smallest_step_that_counts_is_the_same_at_all_frame_rates():
 
 def test_noise_fills_more_of_the_field_at_higher_rates(record_property):
     """D adds up the changes of many frames, while a step is seen in one, so T_p has to rise with rate and noise."""
-    frames = 128 + 2 * np.random.default_rng(0).standard_normal((300, 12, 16))
-    rates, threshold = (30.0, 60.0, 100.0, 200.0), float(lgmd.Parameters().A_ffi)
-    shares = [float(np.mean(at(fps, 12, 16)(frames, fps).ffi[150:])) for fps in rates]
-    rows = [
-        f"{fps:4g} fps  M {share:.4f}  ({share / threshold:.1%} of A_ffi)"
-        for fps, share in zip(rates, shares, strict=True)
-    ]
+    rates = (30.0, 60.0, 100.0, 200.0)
+    shares = [lgmd.inhibition_in_noise(at(fps, 12, 16), 2.0, fps) for fps in rates]
+    rows = [f"{fps:4g} fps  M {share:.1%} of A_ffi" for fps, share in zip(rates, shares, strict=True)]
     record_property("table", "\n".join(["noise of 2 grey levels, T_p 19, A_ffi .09", *rows]))
     assert shares == sorted(shares)
-    assert shares[0] < 0.01 * threshold
+    assert shares[0] < 0.01
+    assert shares[2] > 1
+    higher = eqx.tree_at(lambda model: model.parameters.T_p, at(100.0, 12, 16), jnp.asarray(38.0))
+    assert lgmd.inhibition_in_noise(higher, 2.0, 100.0) < 0.01
+
+
+def test_inhibition_in_noise_without_size_coding_is_the_mean_change():
+    """P is the difference of two frames: its mean magnitude is 2 noise/sqrt(pi)."""
+    expected = 2 * 3.0 / np.sqrt(np.pi) / float(lgmd.Parameters().T_ffi)
+    assert lgmd.inhibition_in_noise(lgmd.LGMD2(), 3.0, fps=50.0) == pytest.approx(expected, rel=0.02)
+    with pytest.raises(ValueError, match="fps is missing"):
+        lgmd.inhibition_in_noise(lgmd.LGMD2())
+
+
+def test_figures_draw_the_threshold_that_acts_in_its_unit():
+    plain, size = lgmd.LGMD2(), lgmd.LGMD2(mechanisms=("size",))
+    assert (plain.levels.ffi, plain.levels.inhibited_from) == (10.0, "T_ffi")
+    assert (size.levels.ffi, size.levels.inhibited_from) == (pytest.approx(0.09), "A_ffi")
+    assert plain.levels.spikes == size.levels.spikes
+    assert (plain.channels["ffi"].unit, size.channels["ffi"].unit) == ("grey level", "1")
 
 
 def test_the_share_of_the_field_does_not_depend_on_contrast():

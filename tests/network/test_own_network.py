@@ -12,6 +12,7 @@ import pytest
 
 import lgmd2jax as lgmd
 from lgmd2jax import hard
+from lgmd2jax._handover import response_vector
 from tests import clips
 from tests.network.toy import Dimming, DimmingParameters
 from tests.oracle import CHANNELS
@@ -142,6 +143,18 @@ def test_it_is_saved_and_loaded(path):
     assert isinstance(loaded, Dimming)
     assert (loaded.border, loaded.eye) == ("left out", EYE)
     assert jax.tree.all(jax.tree.map(jnp.array_equal, loaded.parameters, NETWORK.parameters))
+
+
+def test_a_file_without_a_clear_clip_is_told(tmp_path, monkeypatch):
+    """Where the least movement of a parameter is a jump, a clip that stands still is left."""
+    monkeypatch.setattr(response_vector, "_NEAR", 0.9)
+    monkeypatch.setattr(response_vector, "_CLIPS", 3)
+    with pytest.warns(UserWarning, match="none of 3 clips keeps clear of the thresholds of this Dimming"):
+        lgmd.save(NETWORK, tmp_path / "model.json")
+    vector = json.loads((tmp_path / "model.json").read_text())["test_vector"]
+    assert np.ptp(vector["frames"], axis=0).max() == 0
+    assert set(vector["response"]["smp"]) == {0.5}
+    assert lgmd.load(tmp_path / "model.json", network=Dimming).eye == EYE
 
 
 def test_a_file_is_refused_by_name_where_its_network_is_not_known(path):

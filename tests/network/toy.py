@@ -9,8 +9,8 @@ from jaxtyping import Array, Float
 from lgmd2jax._eye import Eye
 from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.maps import pool
-from lgmd2jax._network.parameter_set import Levels, ParameterSet, declares, scalar
-from lgmd2jax._network.stages import AbstractCell, AbstractPixels, Response, Sums
+from lgmd2jax._network.parameter_set import ParameterSet, declares, scalar
+from lgmd2jax._network.stages import AbstractCell, AbstractPixels, Levels, Response, Sums
 from lgmd2jax._network.structure import counts, one_of
 from lgmd2jax._network.thresholds import Hard, Thresholds
 from lgmd2jax._types import Map, Scalar
@@ -45,10 +45,6 @@ class DimmingParameters(ParameterSet):
         converter=scalar,
         metadata=declares("potential from which there is a spike", "1", "(0.5, 1)", (0.55, 0.95), "a guess"),
     )
-
-    @property
-    def levels(self) -> Levels:
-        return Levels((float(self.T_sp),), float("inf"))
 
 
 class DimmingPixels(AbstractPixels):
@@ -102,6 +98,10 @@ class Dimming(AbstractNetwork):
     @property
     def cell(self) -> DimmingCell:
         return DimmingCell(self.parameters, self.thresholds, self.N_alarm)
+
+    @property
+    def levels(self) -> Levels:
+        return Levels((float(self.parameters.T_sp),), float("inf"))
 
     @property
     def ablations(self):

@@ -10,7 +10,8 @@ import pytest
 
 from lgmd2jax import stimuli
 from lgmd2jax._eye import Eye
-from lgmd2jax._protocol.protocol import Condition, load_protocol
+from lgmd2jax._protocol.condition import Condition
+from lgmd2jax._protocol.protocol import load_protocol
 
 EYE = Eye(rows=12, cols=16, degrees_per_pixel=6.0, fps=50.0)
 
@@ -188,57 +189,67 @@ def test_what_does_not_make_a_stimulus_names_its_condition(load, untyped):
 
 
 MISTAKES = {
+    "[[condition]]\nname='a'\nfamily='looming'\nstart_ms=1979-05-27": "start_ms = .*: must be a number",
+    "[[condition]]\nname='a'\nfamily='looming'\nstart_ms=inf": "start_ms = inf: must be a finite number",
+    "[[condition]]\nname='a'\nfamily='looming'\nl_over_v=[1, nan]": r"l_over_v\[1\] = nan: must be a finite number",
+    "[[condition]]\nname='a'\nfamily=['looming', 'turning']\nl_over_v=3": r"condition\[0\]: l_over_v: unknown key",
+    "[[target]]\nlaw='rest'\nerror=-1\n[[condition]]\nname='a'\nfamily='looming'": (
+        r"trial\.toml: target\[0\]\.error = -1: must be above 0$"
+    ),
     "[[condition]\n": r"trial\.toml is not a TOML file: .*line 6",
-    "": "no conditions; write each as a table under",
-    "[condition]": "no conditions",
-    "[[conditions]]": "unknown key 'conditions'; did you mean 'condition'",
-    "[[condition]]\nname = 'a'": r"condition 1 \(a\): family is missing",
-    "[[condition]]\nfamily = 'looming'": r"condition 1 \(without a name\): name is missing",
-    "[[condition]]\nname='a'\nfamily='loming'": r"condition 1 \(a\): family is 'loming'; choose 'looming' or",
-    "[[condition]]\nname='a'\nfamily='looming'\nl_ovr_v=40": r"\(a\): unknown key 'l_ovr_v'; did you mean 'l_over_v'",
-    "[[condition]]\nname='a'\nfamily='looming'\ntargets=3": "unknown key 'targets'; did you mean 'target'",
-    "[[condition]]\nname='a'\nfamily='looming'\ntarget=3": "target is not a list of tables",
-    "[[condition]]\nname='a'\nfamily='looming'\nl_over_v=[]": "l_over_v is an empty list",
-    "[[condition]]\nname='a'\nfamily='looming'\nl_over_v=[[1, 2]]": r"l_over_v is \[1, 2\]; give a number",
-    "[[condition]]\nname='a'\nfamily='looming'\nl_over_v='fast'": "l_over_v is 'fast'; give a number",
-    "[[condition]]\nname='a'\nfamily='looming'\nl_over_v=true": "l_over_v is True",
-    "[[condition]]\nname='a'\nfamily='looming'\nl_over_v={a=1}": "l_over_v is the table",
-    "[[condition]]\nname='a'\nfamily='looming'\nshape=3": "shape is 3; give a text",
-    "[[condition]]\nname='a'\nfamily='looming'\nchecks=2.5": "checks is 2.5; give a whole number",
-    "[[condition]]\nname='a'\nfamily='looming'\nbackground={image='brick'}": "background has kind None; choose",
-    "[[condition]]\nname='a'\nfamily='looming'\nbackground={kind='foto'}": "kind 'foto'; choose 'photograph' or",
+    "": "trial.toml: condition is missing",
+    "[condition]": r"condition = \{\}: must be a list; write each table under \[\[condition\]\]",
+    "[[conditions]]": r"conditions = \[\{\}\]: unknown key; did you mean 'condition'",
+    "[[condition]]\nname = 'a'": r"condition\[0\]\.family is missing; choose '",
+    "[[condition]]\nfamily = 'looming'": r"condition\[0\]\.name is missing",
+    "[[condition]]\nname='a'\nfamily='loming'": r"\[0\]\.family = 'loming': choose 'looming' or",
+    "[[condition]]\nname='a'\nfamily='looming'\nl_ovr_v=40": "l_ovr_v = 40: unknown key; did you mean 'l_over_v'",
+    "[[condition]]\nname='a'\nfamily='looming'\ntargets=3": r"\.targets = 3: unknown key; did you mean 'target'",
+    "[[condition]]\nname='a'\nfamily='looming'\ntarget=3": r"condition\[0\]\.target = 3: must be a list",
+    "[[condition]]\nname='a'\nfamily='looming'\nl_over_v=[]": r"l_over_v = \[\]: must hold 1 or more",
+    "[[condition]]\nname='a'\nfamily='looming'\nl_over_v=[[1, 2]]": r"l_over_v\[0\] = \[1, 2\]: must be a number",
+    "[[condition]]\nname='a'\nfamily='looming'\nl_over_v='fast'": "l_over_v = 'fast': must be a number",
+    "[[condition]]\nname='a'\nfamily='looming'\nl_over_v=true": "l_over_v = true: must be a number",
+    "[[condition]]\nname='a'\nfamily='looming'\nl_over_v={a=1}": "l_over_v = .*: must be a number",
+    "[[condition]]\nname='a'\nfamily='looming'\nshape=3": "shape = 3: must be a text",
+    "[[condition]]\nname='a'\nfamily='looming'\nchecks=2.5": "checks = 2.5: must be a whole number",
+    "[[condition]]\nname='a'\nfamily='looming'\nbackground={image='brick'}": r"background\.kind is missing; choose",
+    "[[condition]]\nname='a'\nfamily='looming'\nbackground={kind='foto'}": "kind = 'foto': choose 'photograph' or",
     "[[condition]]\nname='a'\nfamily='looming'\nbackground={kind='photograph', imgae='a'}": (
-        "background: unknown key 'imgae'; did you mean 'image'"
+        r"background\.imgae = 'a': unknown key; did you mean 'image'"
     ),
     "[[condition]]\nname='a'\nfamily='looming'\ndistance={kind='tabulated', time_ms=[[0, 1]]}": (
-        "distance: distance is missing"
+        r"distance\.distance is missing"
     ),
     "[[condition]]\nname='a'\nfamily='looming'\ndistance={kind='tabulated', time_ms=[['a']], distance=[[1]]}": (
-        "distance: .*'a'"
+        r"distance\.time_ms\[0\]\[0\] = 'a': must be a number"
     ),
-    "[[condition]]\nname='a'\nfamily='looming'\ncamera=3": "camera is 3; write it as a table",
-    "[[condition]]\nname='a'\nfamily='looming'\ncamera={nose=3}": "unknown key 'nose'; did you mean 'noise'",
-    "[[condition]]\nname='a'\nfamily='looming'\ncamera={seed=-1}": "seed is -1; give a whole number",
-    "[[condition]]\nname='a'\nfamily='looming'\neye={fsp=3}": "unknown key 'fsp'; did you mean 'fps'",
-    "[[condition]]\nname='a'\nfamily='looming'\neye={fps=-3}": "eye: fps is -3",
-    "[[condition]]\nname='a'\nfamily='looming'\neye={fps='x'}": "fps is 'x'; give a number",
-    "[[condition]]\nname='a'\nfamily='looming'\neye={preset='fly'}": "eye: eye is 'fly'",
+    "[[condition]]\nname='a'\nfamily='looming'\ncamera=3": "camera = 3: must be a table",
+    "[[condition]]\nname='a'\nfamily='looming'\ncamera={nose=3}": "nose = 3: unknown key; did you mean 'noise'",
+    "[[condition]]\nname='a'\nfamily='looming'\ncamera={seed=-1}": r"camera\.seed = -1: must be 0 or more",
+    "[[condition]]\nname='a'\nfamily='looming'\neye={fsp=3}": r"eye\.fsp = 3: unknown key; did you mean 'fps'",
+    "[[condition]]\nname='a'\nfamily='looming'\neye={fps=-3}": r"eye\.fps = -3: must be above 0",
+    "[[condition]]\nname='a'\nfamily='looming'\neye={fps='x'}": r"eye\.fps = 'x': must be a number",
+    "[[condition]]\nname='a'\nfamily='looming'\neye={preset='fly'}": r"eye\.preset = 'fly': choose '",
     "[[condition]]\nname='a {spped}'\nfamily='translating'": r"a placeholder of 'a \{spped\}' is not filled",
     "[[condition]]\nname='a {'\nfamily='looming'": r"'a \{' is not a format string",
     "[[condition]]\nname='a {}'\nfamily='looming'": r"a placeholder of 'a \{\}' is not filled",
-    "[[condition]]\nname='a'\nfamily='looming'\n[[condition.target]]\ncolumn='{speed}'": r"placeholder of '\{speed\}'",
+    "[[condition]]\nname='a'\nfamily='looming'\n[[condition.target]]\nlaw='rest'\n"
+    "[[condition.target]]\nfile='{speed}'\nchannel='smp'\ncolumn='a'": (
+        r"condition\[0\]\.target\[1\]: a placeholder of '\{speed\}'"
+    ),
     "[[condition]]\nname='a'\nfamily='looming'\n[[condition.target]]\nchannel='smp'": (
-        r"condition 1 \(a\): target 1: there is no source; give one of file, spikes, law, model"
+        r"condition\[0\]\.target\[0\] = .*: give one of file, spikes, law, model as its source"
     ),
     "[[condition]]\nname='a'\nfamily='looming'\n[[condition.target]]\nfile='n.csv'\nchannel='smp'\ncolumn='x'": (
-        r"condition 1 \(a\): target 1: file is 'n.csv', which cannot be read"
+        r"condition\[0\]\.target\[0\]: file = 'n.csv': cannot be read"
     ),
     "[[condition]]\nname='a'\nfamily='looming'\n[[condition.target]]\nlaw='rest'\nchanel='smp'": (
-        r"\(a\): target 1: unknown key 'chanel'; did you mean 'channel'"
+        r"condition\[0\]\.target\[0\]\.chanel = 'smp': unknown key; did you mean 'channel'"
     ),
     "[[condition]]\nname='a'\nfamily='looming'\nl_over_v=[1, 2]": "2 conditions are named 'a'; .*placeholders",
     "[[condition]]\nname='a'\nfamily='looming'\n[[condition]]\nname='a'\nfamily='receding'": "2 conditions are named",
-    "[[condition]]\nname='a'\nfamily='looming'\n[[condition]]\nname='b'\nfamily='lomi'": r"condition 2 \(b\): family",
+    "[[condition]]\nname='a'\nfamily='looming'\n[[condition]]\nname='b'\nfamily='lomi'": r"\[1\]\.family = 'lomi'",
 }
 
 
@@ -251,9 +262,9 @@ def test_mistakes_are_named_in_one_line(load, untyped, text):
 
 
 def test_an_eye_is_needed(load, untyped):
-    with pytest.raises(ValueError, match="no eye; give the protocol an"):
+    with pytest.raises(ValueError, match="eye is missing"):
         load("[[condition]]\nname = 'a'\nfamily = 'looming'", eye="")
-    with pytest.raises(ValueError, match="eye: fps is missing"):
+    with pytest.raises(ValueError, match=r"condition\[0\]: eye\.fps is missing; add it, or start from one"):
         load("[[condition]]\nname='a'\nfamily='looming'", eye="[eye]\nrows=12\ncols=16\ndegrees_per_pixel=2\n")
 
 

@@ -5,9 +5,12 @@ import dataclasses
 import jax
 import numpy as np
 import pytest
+from pydantic import TypeAdapter
 
 import lgmd2jax as lgmd
 from lgmd2jax._protocol.target_table import target
+from lgmd2jax._schemas.check import check
+from lgmd2jax._schemas.protocol import TARGET
 from lgmd2jax._targets.band import Band
 from lgmd2jax._targets.csv_files import read_target
 from lgmd2jax._targets.looming_law import LoomingLaw
@@ -117,62 +120,68 @@ FILE = {"file": "targets/curve.csv", "channel": "rate", "column": "rate"}
 LAW = {"law": "looming", "peak": 0.3}
 MODEL = {"model": "preset:lgmd2"}
 MISTAKES = [
-    ({}, "there is no source; give one of file, spikes, law, model"),
-    (FILE | {"law": "rest"}, "there is file and law; give one of"),
-    ({"file": 3}, "file is 3; give a text"),
-    (FILE | {"file": "no.csv"}, "file is 'no.csv', which cannot be read: No such file"),
-    (FILE | {"file": "."}, "file is '.', which cannot be read: Is a directory"),
+    ({}, r"\{\}: give one of file, spikes, law, model as its source"),
+    (FILE | {"law": "rest"}, "give one of file, spikes, law, model as its source"),
+    ({"file": 3}, "file = 3: must be a text; column is missing; add it; channel is missing"),
+    (FILE | {"file": "no.csv"}, "file = 'no.csv': cannot be read: No such file"),
+    (FILE | {"file": "."}, "file = '.': cannot be read: Is a directory"),
     ({"file": "targets/curve.csv", "channel": "rate"}, "column is missing"),
     ({"file": "targets/curve.csv", "column": "rate"}, "channel is missing"),
-    (FILE | {"colum": "rate"}, "unknown key 'colum'; did you mean 'column'"),
-    (FILE | {"wieght": 1}, "unknown key 'wieght'; did you mean 'weight'"),
-    (FILE | {"peak": 1}, "unknown key 'peak'"),
+    (FILE | {"colum": "rate"}, "colum = 'rate': unknown key; did you mean 'column'"),
+    (FILE | {"wieght": 1}, "wieght = 1: unknown key; did you mean 'weight'"),
+    (FILE | {"peak": 1}, "peak = 1: unknown key"),
     (FILE | {"column": "rat"}, "curve.csv: no column 'rat'; choose 'rate' or"),
     (FILE | {"sem": "s"}, "curve.csv: no column 's'; choose 'sem' or"),
     (FILE | {"column": "hole"}, "curve.csv: column 'hole' holds '' in row 2, which is no finite number"),
-    (FILE | {"channel": "rates"}, "curve.csv: channel is 'rates'; choose 'rate' or"),
-    (FILE | {"interpolate": "yes"}, "interpolate is 'yes'; give true or false"),
-    (FILE | {"error": -1}, "error is -1.0; give a positive number"),
-    (FILE | {"error": "big"}, "error is 'big'; give a number"),
-    (FILE | {"weight": -1}, "weight is -1.0; give 0 or more"),
+    (FILE | {"channel": "rates"}, "channel = 'rates': choose 'rate' or"),
+    (FILE | {"interpolate": "yes"}, "interpolate = 'yes': must be true or false"),
+    (FILE | {"error": -1}, "error = -1: must be above 0"),
+    (FILE | {"error": "big"}, "error = 'big': must be a number"),
+    (FILE | {"weight": -1}, "weight = -1: must be 0 or more"),
     (FILE | {"from_ms": 3, "until_ms": 2}, "from_ms is 3.0 and until_ms 2.0"),
-    (LAW | {"law": "loming"}, "law is 'loming'; choose 'looming' or"),
+    (LAW | {"law": "loming"}, "law = 'loming': choose 'looming' or"),
     ({"law": "looming"}, "peak is missing"),
-    (LAW | {"alfa": 3}, "unknown key 'alfa'; did you mean 'alpha'"),
-    (LAW | {"alpha": "x"}, "alpha is 'x'; give a number"),
+    (LAW | {"alfa": 3}, "alfa = 3: unknown key; did you mean 'alpha'"),
+    (LAW | {"alpha": "x"}, "alpha = 'x': must be a number"),
     (LAW | {"alpha": -2}, "alpha is -2.0; give a positive number"),
-    (LAW | {"channel": "smpp"}, "channel is 'smpp'; choose 'smp' or"),
+    (LAW | {"channel": "smpp"}, "channel = 'smpp': choose 'smp' or"),
     ({"law": "onset", "peak": 1, "decay_ms": 0}, "decay_ms is 0.0 ms"),
     ({"law": "band", "low": 0.5}, "high is missing"),
     ({"law": "band", "low": 0.7, "high": 0.6}, "low is 0.7 and high 0.6 in segment 1; swap them"),
-    ({"law": "band", "low": [0.5, "x"], "high": 0.6}, r"low is \[0.5, 'x'\]; give a list of numbers"),
-    ({"law": "band", "low": 0.5, "high": 0.6, "quote": 3}, "quote is 3; give a text"),
-    ({"law": "band", "low": 0.5, "high": 0.6, "segments_ms": 3}, r"segments_ms is 3.0; give \[start, end\] of each"),
-    ({"law": "band", "low": 0.5, "high": 0.6, "segments_ms": [[0, "end"]]}, "give a list of numbers"),
-    ({"spikes": "spikes.csv", "channel": "smp"}, "channel is 'smp'; of spike times it is 'rate'"),
+    ({"law": "band", "low": [0.5, "x"], "high": 0.6}, r"low\[1\] = 'x': must be a number"),
+    ({"law": "band", "low": 0.5, "high": 0.6, "quote": 3}, "quote = 3: must be a text"),
+    ({"law": "band", "low": 0.5, "high": 0.6, "segments_ms": 3}, "segments_ms = 3: must be a list"),
+    ({"law": "band", "low": 0.5, "high": 0.6, "segments_ms": [[0, "end"]]}, r"\[0\]\[1\] = 'end': must be a number"),
+    ({"spikes": "spikes.csv", "channel": "smp"}, "channel = 'smp': choose 'rate'"),
     ({"spikes": "spikes.csv", "kernel_ms": 0}, "spikes.csv: kernel_ms is 0.0 ms; give a positive number"),
-    ({"spikes": "spikes.csv", "trail": "a"}, "unknown key 'trail'; did you mean 'trial'"),
-    ({"spikes": "no.csv"}, "spikes is 'no.csv', which cannot be read"),
+    ({"spikes": "spikes.csv", "trail": "a"}, "trail = 'a': unknown key; did you mean 'trial'"),
+    ({"spikes": "no.csv"}, "spikes = 'no.csv': cannot be read"),
     ({"model": "preset:lgmd3"}, "preset is 'lgmd3'; choose 'lgmd2' or"),
-    ({"model": "no.json"}, "model is 'no.json', which cannot be read: no such file"),
-    (MODEL | {"parameters": 3}, "parameters is 3; write it as a table"),
-    (MODEL | {"parameters": {"kk": 1}}, "parameter is 'kk'; choose 'k' or"),
+    ({"model": "no.json"}, "model = 'no.json': cannot be read: no such file"),
+    (MODEL | {"parameters": 3}, "parameters = 3: must be a table"),
+    (MODEL | {"parameters": {"kk": 1}}, "parameters.kk = 1: unknown key; did you mean 'k'"),
     (MODEL | {"parameters": {"k": -1}}, "k is -1 grey level"),
-    (MODEL | {"temperature": 0}, "temperature is 0"),
-    (MODEL | {"temperature": "hot"}, "temperature is 'hot'; give a number"),
+    (MODEL | {"temperature": 0}, "temperature = 0: must be above 0"),
+    (MODEL | {"temperature": "hot"}, "temperature = 'hot': must be a number"),
     (MODEL | {"channel": "rate"}, "channel is 'rate', which needs an observation"),
-    (MODEL | {"channel": "rate", "observation": {"gian": 3}}, "unknown key 'gian'; did you mean 'gain'"),
-    (MODEL | {"channel": "rate", "observation": {"gain": -3}}, "gain is -3 spikes/s"),
-    (MODEL | {"noise": -1}, "noise is -1.0; give 0 or more"),
-    (MODEL | {"seed": 1.5}, "seed is 1.5; give a whole number, 0 or more"),
-    (MODEL | {"sead": 1}, "unknown key 'sead'; did you mean 'seed'"),
+    (MODEL | {"channel": "rate", "observation": {"gian": 3}}, "observation.gian = 3: unknown key; did you mean 'gain'"),
+    (MODEL | {"channel": "rate", "observation": {"gain": -3}}, "observation.gain = -3: must be above 0"),
+    (MODEL | {"noise": -1}, "noise = -1: must be 0 or more"),
+    (MODEL | {"seed": 1.5}, "seed = 1.5: must be a whole number"),
+    (MODEL | {"sead": 1}, "sead = 1: unknown key; did you mean 'seed'"),
 ]
+
+
+def checked_target(table, folder):
+    """The target of a table as a protocol reads it."""
+    check(TypeAdapter(TARGET), table)
+    return target(table, folder)
 
 
 @pytest.mark.parametrize(("table", "message"), MISTAKES)
 def test_mistakes_are_named_in_one_line(folder, table, message, untyped):
     with pytest.raises(ValueError, match=message) as caught:
-        target(table, folder)
+        checked_target(table, folder)
     assert "\n" not in str(caught.value)
 
 

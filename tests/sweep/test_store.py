@@ -14,6 +14,7 @@ import zarr
 
 import lgmd2jax as lgmd
 from lgmd2jax._sweep import store as _store
+from lgmd2jax._sweep.blocks import Plan
 
 AXES: dict[str, Any] = {
     "contrast": [-0.9, -0.5, -0.1],
@@ -58,6 +59,28 @@ def test_what_is_finished_is_not_computed_again(eye, tmp_path, monkeypatch):
     monkeypatch.setattr("lgmd2jax._sweep.blocks.Plan.compute", None)
     again = lgmd.sweep(lgmd.LGMD2(), lgmd.stimuli.looming, eye, **AXES, store=tmp_path / "it.zarr")
     assert again.identical(first)
+
+
+def test_a_chunk_that_was_lost_is_computed_again(eye, tmp_path, monkeypatch):
+    """What Zarr reads in the place of a file that is gone is NaN."""
+    settings = {**AXES, "channels": ["smp"], "block": 2, "store": tmp_path / "it.zarr"}
+    first = lgmd.sweep(lgmd.LGMD2(), lgmd.stimuli.looming, eye, **settings).load()
+    (tmp_path / "it.zarr/smp/c/1/0/0").unlink()
+    computed = []
+    compute = Plan.compute
+    monkeypatch.setattr(Plan, "compute", lambda plan, number: computed.append(number) or compute(plan, number))
+    again = lgmd.sweep(lgmd.LGMD2(), lgmd.stimuli.looming, eye, **settings)
+    assert again.identical(first)
+    assert len(computed) == 1
+
+
+def test_a_block_of_nothing_but_nan_is_not_taken_for_lost(eye, tmp_path, monkeypatch):
+    """A cell that never fires has no time of an alarm."""
+    quiet = lgmd.LGMD2(lgmd.Parameters(T_ffi=1e-6))
+    first = lgmd.sweep(quiet, lgmd.stimuli.looming, eye, **AXES, store=tmp_path / "it.zarr").load()
+    assert any(np.isnan(first[name]).all() for name in first.data_vars)
+    monkeypatch.setattr("lgmd2jax._sweep.blocks.Plan.compute", None)
+    assert lgmd.sweep(quiet, lgmd.stimuli.looming, eye, **AXES, store=tmp_path / "it.zarr").identical(first)
 
 
 def test_a_full_disk_is_one_line_and_leaves_what_is_there(eye, tmp_path, monkeypatch):

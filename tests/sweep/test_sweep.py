@@ -76,6 +76,15 @@ def test_a_list_of_models_and_a_stack_are_the_same(eye):
     np.testing.assert_array_equal(by_parameter.integral, one.integral)
 
 
+def test_the_unit_of_inhibition_follows_the_structure(eye):
+    shown = {"contrast": [-0.9], "l_over_v": 40.0, "channels": ["ffi"]}
+    units = [
+        lgmd.sweep(lgmd.LGMD2(mechanisms=mechanisms), lgmd.stimuli.looming, eye, **shown).ffi.attrs["units"]
+        for mechanisms in ((), ("size",))
+    ]
+    assert units == ["grey level", "1"]
+
+
 def test_axes_and_results_have_units(eye):
     found = lgmd.sweep(
         lgmd.LGMD2(), lgmd.stimuli.looming, eye, parameters={"tau1": [20]}, contrast=[-0.5], l_over_v=(10, 20)

@@ -59,3 +59,17 @@ def test_hidden_and_empty_files_do_not_stop_a_folder(tmp_path):
         path.write_bytes(b"")
     with pytest.raises(ValueError, match="holds empty images alone"):
         open_clip(folder, fps=30)
+
+
+@pytest.mark.parametrize("suffix", [".png", ".webp"])
+def test_the_pictures_of_an_animation_are_frames(tmp_path, suffix):
+    """As a folder among other images, and as a file of its own."""
+    pictures = [Image.fromarray(np.full((8, 8), level, np.uint8)) for level in (10, 60, 110)]
+    pictures[0].save(tmp_path / f"2{suffix}", save_all=True, append_images=pictures[1:], duration=40, lossless=True)
+    pictures[2].save(tmp_path / "10.png")
+    in_folder = open_clip(tmp_path, fps=25)
+    assert in_folder.count is None
+    assert [float(frame.grey.mean()) for frame in in_folder] == pytest.approx([10, 60, 110, 110], abs=1e-4)
+    alone = list(open_clip(tmp_path / f"2{suffix}", fps=25))
+    assert [float(frame.grey.mean()) for frame in alone] == pytest.approx([10, 60, 110], abs=1e-4)
+    assert [frame.time for frame in alone] == [0, 40, 80]

@@ -11,7 +11,7 @@ from lgmd2jax._video.trace import Row
 
 def test_the_overlay_draws_on_pictures_of_any_size():
     for rows, cols in ((3, 3), (31, 7), (240, 432)):
-        overlay = Overlay((rows, cols), lgmd.Parameters())
+        overlay = Overlay((rows, cols), lgmd.LGMD2())
         picture = np.full((rows, cols, 3), 200, np.uint8)
         for i in range(300):
             row = Row(i, i * 33.0, 0.0, 0.0, 0.9, 0.5 + 0.4 * (i % 2), i % 3, i % 2)

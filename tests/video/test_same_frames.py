@@ -77,7 +77,7 @@ FORMATS = {
 
 @pytest.fixture(autouse=True)
 def cache(tmp_path, monkeypatch):
-    monkeypatch.setattr(module, "user_cache_path", lambda name: tmp_path / "cache" / name)
+    monkeypatch.setattr(module, "cache_folder", lambda: tmp_path / "cache" / "lgmd2jax")
 
 
 def labelled(folder, path, *lines):

@@ -11,8 +11,10 @@ examples:
   lgmd2jax characterise preset:lgmd2 lgmd2 preset:balanced --figure models.png --json models.json
                                                            the paper's, a fitted one, and one like an LGMD1
   lgmd2jax characterise preset:lgmd2 preset:yue_rind       beside the LGMD1 that the paper compares with
-  lgmd2jax characterise mine/model.json --ablate           without FFI, SFA, lateral inhibition, ON pathway
+  lgmd2jax characterise mine/model.json --ablate           without FFI, SFA, lateral inhibition, a pathway, ...
+  lgmd2jax characterise lgmd2 --ablate size shunt          without these, one at a time
   lgmd2jax characterise mine/model.json --raster           objects moved by half a pixel; an eye of 1 degree a pixel
+  lgmd2jax characterise lgmd2 --raster --seeds 5           and in five other draws of noise and texture
 
 A model is shown the stimuli with its own eye and frame rate. A preset has neither: it is given the eye `locust`,
 48 x 64 at 2 degrees and 100 fps, and its values per frame are scaled from 30 fps. The first model of an eye takes a
@@ -38,5 +40,14 @@ def add(commands: argparse._SubParsersAction) -> None:
         help="intervals of the summary, from 100 models drawn from the covariance of the fit beside a model.json",
     )
     variants = parser.add_mutually_exclusive_group()
-    variants.add_argument("--ablate", action="store_true", help="one model as it is, and without one mechanism each")
+    variants.add_argument(
+        "--ablate",
+        metavar="MECHANISM",
+        nargs="*",
+        help="one model as it is, and without each of these: ffi, sfa, lateral, on, off, and of size, shunt, lag, "
+        "membrane those that it has; all of them where none is named",
+    )
     variants.add_argument("--raster", action="store_true", help="one model on other rasters, and what changes by that")
+    parser.add_argument(
+        "--seeds", type=int, metavar="N", help="with --raster: in N other draws of noise and texture too"
+    )

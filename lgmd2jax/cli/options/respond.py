@@ -16,8 +16,9 @@ examples:
   lgmd2jax respond stack.tif --fps 100 --white 4095       the pages of a TIFF file, from a camera of 12 bits
   lgmd2jax respond crash.mp4 --overlay crash-lgmd2.mp4    also the clip with potential and alarm drawn on it
 
-The CSV file has a row a frame: frame, time_ms; summed potential (mp) and feed-forward inhibition (ffi), in grey levels;
-sigmoid membrane potential before and after adaptation (smp, smp_adapted); spikes; collision (1 in an alarm).
+The CSV file has a row a frame: frame, time_ms; summed potential (mp) and feed-forward inhibition (ffi), in grey levels,
+where inhibition codes size ffi as a share of the field, 0 to 1; sigmoid membrane potential before and after adaptation
+(smp, smp_adapted); spikes; collision (1 in an alarm).
 
 Any video that ffmpeg reads will do. The clip is read frame by frame, so its length does not matter; --drop-duplicates
 reads it twice. Parameters belong to a frame rate and a field of view: those of the presets are meant for 30 fps, and a

@@ -15,7 +15,8 @@ from lgmd2jax.fitting._solver.levenberg_marquardt import BoundedLevenbergMarquar
 AnySpace = TypeVar("AnySpace", bound=Space)
 TEMPERATURES = (0.5, 0.2, 0.05)
 # Relative to the residuals' norm: what is left to fall is then the square of it, far below what curves can tell.
-_RTOL, _ATOL = 3e-3, 1e-8
+_RTOL = 3e-3
+_ATOL = 1e-8  # for a model that meets its targets exactly; times the scale of the residuals where that is below 1
 
 
 @dataclasses.dataclass(frozen=True)
@@ -54,7 +55,8 @@ class Search(Generic[AnySpace]):
         """The search that a key decides, by default with the bounded Levenberg-Marquardt method."""
         seed = seed_of(key)
         points = starting_points(space, start, pixel_points, seed)
-        solver = solver or BoundedLevenbergMarquardt(_RTOL, _ATOL, lower=0.0, upper=1.0)
+        if solver is None:
+            solver = BoundedLevenbergMarquardt(_RTOL, _ATOL * min(1.0, space.scale), lower=0.0, upper=1.0)
         return cls(space, cell_entries, points, cell_points, seed, temperatures, solver)
 
     def cells(self, number: int, *looks: int) -> Float[np.ndarray, "cell entry"]:

@@ -49,6 +49,11 @@ class Space(eqx.Module, Generic[AnyNetwork]):
     ) -> Float[Array, " n"]:
         """What a descent makes small."""
 
+    @property
+    @abc.abstractmethod
+    def scale(self) -> float:
+        """The norm that the residuals have where every difference from what is wanted is 1, in its own unit."""
+
 
 def soften(thresholds: Thresholds, temperature: Float[Array, ""]) -> Thresholds:
     """The soft thresholds that approximate these, or these at another temperature."""

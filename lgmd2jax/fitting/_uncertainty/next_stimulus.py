@@ -12,8 +12,8 @@ from lgmd2jax.fitting._uncertainty.covariance import BOX_VARIANCE, Uncertainty
 class Candidate(NamedTuple):
     """A stimulus that might be recorded.
 
-    - `gain`: in the log-determinant of the information (D-optimality). One unit halves the volume of the confidence
-      region, and a little more.
+    - `gain`: in the log-determinant of the information (D-optimality). One unit multiplies the volume of the confidence
+      region by exp(-1/2), .61; halving takes 2 ln 2, 1.39.
     - `shrink`: by which factor the standard error of each parameter would become smaller.
     """
 
