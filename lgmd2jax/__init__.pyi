@@ -41,6 +41,7 @@ from ._protocol.protocol import load_protocol as load_protocol
 from ._recipes.fit import Recipe as Recipe
 from ._recipes.load import load_recipe as load_recipe
 from ._recipes.sweep import SweepRecipe as SweepRecipe
+from ._results.comparison import compare as compare
 from ._results.fit_folder import load_fit as load_fit, save_fit as save_fit
 from ._sweep import surfaces as surfaces, sweep as sweep
 from ._targets.band import Band as Band

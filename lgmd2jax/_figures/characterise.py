@@ -10,9 +10,8 @@ from matplotlib.gridspec import SubplotSpec
 
 from lgmd2jax._characterise import Characterisation
 from lgmd2jax._characterise.panels import OVER
-from lgmd2jax._figures.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, drawn
+from lgmd2jax._figures.style import COLOURS, GREEN, GREY, MARKS, ORANGE, SKY, check_count, drawn
 
-_COLOURS, _MARKS = (BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, BLACK), "os^Dv<>"
 _TIMES = "peak time before collision (ms)"
 _CHANGES = "largest R, change of light"
 _PASS, _FAIL, _OPEN = SKY, ORANGE, "#dddddd"
@@ -37,8 +36,7 @@ def characterisation_figure(path: str | os.PathLike, models: Mapping[str, Charac
 
     **Raises:** `ValueError` for more models than there are colours.
     """
-    if len(models) > len(_COLOURS):
-        raise ValueError(f"{len(models)} models are more than a figure keeps apart; give at most {len(_COLOURS)}")
+    check_count(len(models), "models")
     with drawn(path, 13, 10.6 + 0.3 * len(models)) as figure:
         grid = figure.add_gridspec(4, 12, height_ratios=(1, 1, 1, 0.28 + 0.13 * len(models)))
         names = list(OVER)
@@ -59,7 +57,7 @@ def _panel(figure: Figure, place: SubplotSpec, name: str, models: Mapping[str, C
     title, low, high = _TITLES[name]
     if low is not None and high is not None:
         axes.axhspan(low, high, color=GREEN, alpha=0.13, linewidth=0)
-    for i, ((model, result), colour, mark) in enumerate(zip(models.items(), _COLOURS, _MARKS, strict=False)):
+    for i, ((model, result), colour, mark) in enumerate(zip(models.items(), COLOURS, MARKS, strict=False)):
         aside = 0.14 * (i - (len(models) - 1) / 2) if words else 0  # so that equal values are all seen
         line = "" if words or name == _TIMES else "-"
         axes.plot(x + aside, result.panels[name], mark, color=colour, markersize=4.5, linestyle=line, label=model)
@@ -96,7 +94,7 @@ def _ticks(axes: Axes, name: str, places, x) -> None:
 def _fitted_lines(axes: Axes, x: np.ndarray, models: Mapping[str, Characterisation]) -> None:
     """The line alpha l/|v| - delta, with the frame put back that is taken off delta."""
     far = np.array([0, x[-1]])
-    for result, colour in zip(models.values(), _COLOURS, strict=False):
+    for result, colour in zip(models.values(), COLOURS, strict=False):
         alpha, delta = (result.selectivity[name].value for name in ("alpha", "delta"))
         axes.plot(far, alpha * far - delta - 1000 / result.eye.fps, color=colour, linewidth=1)
     axes.plot(far, 4.4 * far - 18.7, color=GREY, linestyle=(0, (4, 3)), linewidth=1)

@@ -13,6 +13,9 @@ from matplotlib.rcsetup import cycler
 BLACK, GREY = "#000000", "#8c8c8c"
 BLUE, SKY, GREEN, ORANGE, VERMILION, PURPLE = "#0072B2", "#56B4E9", "#009E73", "#E69F00", "#D55E00", "#CC79A7"
 
+# One of each for things side by side, as models or fits.
+COLOURS, MARKS = (BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, BLACK), "os^Dv<>"
+
 STYLE = {
     "axes.axisbelow": True,
     "axes.grid": True,
@@ -55,3 +58,9 @@ def check_figure_path(path: str | os.PathLike) -> None:
     known = Figure().canvas.get_supported_filetypes()
     if Path(path).suffix[1:].lower() not in known:
         raise ValueError(f"cannot tell the format of the figure {path}; end its name in .png, .pdf or .svg")
+
+
+def check_count(count: int, things: str) -> None:
+    """Raise `ValueError` for more things side by side than there are colours."""
+    if count > len(COLOURS):
+        raise ValueError(f"{count} {things} are more than a figure keeps apart; give at most {len(COLOURS)}")

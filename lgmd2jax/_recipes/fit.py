@@ -6,7 +6,7 @@ import json
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import jax
 import numpy as np
@@ -15,6 +15,8 @@ from lgmd2jax._characterise import characterise
 from lgmd2jax._compute.finished_work import Memory, MemoryPart
 from lgmd2jax._files.catalogue import beside
 from lgmd2jax._network.abstract import AbstractNetwork
+from lgmd2jax._network.lgmd2 import LGMD2
+from lgmd2jax._network.parameters import symbols
 from lgmd2jax._protocol.protocol import load_protocol
 from lgmd2jax._targets.observation import Observation
 from lgmd2jax._words import nearest
@@ -34,11 +36,11 @@ class Recipe:
 
     - `profile`: parameters whose interval is also found by profile likelihood.
     - `samples`: how many draws of the posterior to take; 0 for none.
-    - `leave_one_out`: whether to fit anew without each condition and to predict it.
+    - `leave_one_out`: whether to fit anew without each condition, or each `"family"` of them, and to predict it.
     - `looming_law`: whether to hold the fit against eta, fitted to the same rates.
     - `truth`: the values that are known to be right, of a twin.
     - `properties`: whether to hand over, of the candidates, the one that holds most of the 22 response properties.
-    - `table`: the file's content.
+    - `families`: of the conditions. `table`: the file's content.
     """
 
     name: str
@@ -50,10 +52,11 @@ class Recipe:
     absolute_errors: bool | None
     profile: tuple[str, ...]
     samples: int
-    leave_one_out: bool
+    leave_one_out: bool | Literal["family"]
     looming_law: bool
     truth: Mapping[str, float]
     properties: bool
+    families: tuple[str, ...]
     table: Mapping[str, Any]
 
     @property
@@ -78,11 +81,11 @@ class Recipe:
         )
 
     def predict_each(self, progress: bool = False) -> dict[str, float]:
-        """R2 of each condition by a fit to the others.
+        """R2 of each condition by a fit to the others, or to those of other families.
 
         **Raises:** `KeyboardInterrupt` on Ctrl-C, also where one of the fits would return its best so far.
         """
-        return leave_one_out(lambda pairs: self._predictor(pairs, progress, None), self.pairs)
+        return leave_one_out(lambda pairs: self._predictor(pairs, progress, None), self.pairs, self._groups)
 
     def further(self, fit: Fit, memory: Memory, progress: bool = False) -> dict[str, Part]:
         """What the recipe asks for beside the fit, by a few words: each adds its part to a supplement.
@@ -95,10 +98,17 @@ class Recipe:
         for name in self.profile:
             parts[f"the profile of {name}"] = partial(self._with_profile, fit, memory, name)
         if self.leave_one_out:
-            for number, (stimulus, _) in enumerate(self.pairs):
-                words = f"the prediction of {stimulus.name!r} by a fit to the others"
-                parts[words] = partial(self._with_prediction, memory, progress, number)
+            for group in dict.fromkeys(self._groups):
+                words = f"the prediction of {group!r} by a fit to the others"
+                parts[words] = partial(self._with_prediction, memory, progress, group)
         return parts
+
+    @property
+    def _groups(self) -> tuple[str, ...]:
+        """What is left out together: each condition by itself, or each family."""
+        if self.leave_one_out == "family":
+            return self.families
+        return tuple(stimulus.name for stimulus, _ in self.pairs)
 
     def _with_law(self, fit: Fit, extra: Supplement) -> Supplement:
         law = compare_with_law(self.pairs, fit.curves, smoothing=float(fit.observation.smoothing))
@@ -110,19 +120,36 @@ class Recipe:
             memory[key] = fit.profile(name).plain()
         return dataclasses.replace(extra, profiles={**extra.profiles, name: Profile.of(memory[key])})
 
-    def _with_prediction(self, memory: Memory, progress: bool, number: int, extra: Supplement) -> Supplement:
-        stimulus, _ = self.pairs[number]
-        key = f"without {stimulus.name}"
+    def _with_prediction(self, memory: Memory, progress: bool, group: str, extra: Supplement) -> Supplement:
+        key = f"without {group}"
         if key not in memory:
-            starts = MemoryPart(memory, key)
-            memory[key] = predicted_r2(lambda pairs: self._predictor(pairs, progress, starts), self.pairs, number)
-        return dataclasses.replace(extra, left_out={**extra.left_out, stimulus.name: memory[key]})
+            predictor = partial(self._predictor, progress=progress, memory=MemoryPart(memory, key))
+            memory[key] = predicted_r2(predictor, self.pairs, self._groups, group)
+        return dataclasses.replace(extra, left_out={**extra.left_out, **memory[key]})
 
     def _predictor(self, pairs: Sequence[Pair], progress: bool, memory: Memory | None) -> Predict:
         fit = self.run(progress, memory, pairs)
         if fit.result == STOPPED:  # its best so far would pass for the fit that was asked for
             raise KeyboardInterrupt
         return fit.predict
+
+    def with_mechanisms(self, *mechanisms: str) -> "Recipe":
+        """The same fit of another circuit.
+
+        What acts on nothing in that circuit is no longer free; what comes into play is, within its declared bounds.
+
+        **Raises:** `ValueError` for mechanisms that do not exist, and for a network that has none.
+        """
+        if not isinstance(self.model, LGMD2):
+            raise ValueError(f"mechanisms are those of an LGMD2; the network of {self.name} is another")
+        model = dataclasses.replace(self.model, mechanisms=mechanisms)
+        free = {name: line for name, line in self.table["free"].items() if name not in model.unused}
+        free |= {name: {} for name in symbols() if name in self.model.unused - model.unused}
+        structure = self.table.get("structure", {}) | {"mechanisms": list(mechanisms)}
+        table = {**self.table, "structure": structure, "free": free}
+        profile = tuple(name for name in self.profile if name in free)
+        truth = {name: value for name, value in self.truth.items() if name in free}
+        return dataclasses.replace(self, model=model, free=free_of(table), profile=profile, truth=truth, table=table)
 
     def digest(self) -> str:
         """A digest of all that the fit sees: recipe, stimuli and targets."""
@@ -171,5 +198,6 @@ def fit_recipe(path: Path, table: dict[str, Any]) -> Recipe:
         looming_law=validation.get("looming_law", False),
         truth=truth,
         properties=table.get("choice", {}).get("properties", False),
+        families=tuple(condition.family for condition in protocol.conditions),
         table=table,
     )

@@ -26,7 +26,7 @@ _FIGURES = ("fit.png", "diagnostics.png")
 _POSTERIOR = "posterior.nc"
 _FILES = ("model.json", "curves.csv", _POSTERIOR)
 _STATISTICS = ("energy", "diverging", "acceptance_rate", "tree_depth")
-_COLUMNS = ("target", "sem", "weight", "soft", "hard", "band")
+_COLUMNS = ("target", "sem", "weight", "soft", "hard", "band", "error")
 
 
 def save_fit(
@@ -118,25 +118,39 @@ class FitFolder:
 
 
 def load_fit(folder: str | Path) -> Fit:
-    """The fit of a result folder, or of a shipped one by its bare name. It predicts; it does not hold the targets.
+    """The fit of a result folder or of its fit.json, or of a shipped one by its bare name.
+
+    It predicts; it does not hold the targets.
 
     An `UnfinishedWarning` says what is still to come of a fit that was stopped.
 
     **Raises:** `ValueError` for a folder that holds no fit, `FileNotFoundError` where there is none.
     """
-    folder = _folder(folder)
+    return load_validated_fit(folder)[0]
+
+
+def load_validated_fit(folder: str | Path) -> tuple[Fit, dict[str, float]]:
+    """The fit of `load_fit`, and R2 of each condition that was left out, predicted by a fit to others; {} for none."""
+    folder = fit_folder(folder)
     try:
         content = json.loads((folder / MARKER).read_text(encoding="utf-8"))
         curves = _read_curves(folder / "curves.csv", observation_of(content))
+        left_out = {name: math.nan if r2 is None else r2 for name, r2 in content["leave_one_out_r2"].items()}
         fit = fit_of(content, load(folder / "model.json"), curves)
-    except (ValueError, KeyError, TypeError) as error:
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise ValueError(f"{folder} holds no fit that can be used: {error}") from error
     warn_if_unfinished(folder, content.get("unfinished", ()))  # an earlier version did not write it
-    return fit
+    return fit, left_out
 
 
-def _folder(folder: str | Path) -> Path:
+def fit_folder(folder: str | Path) -> Path:
+    """The folder of a fit that a path or a bare name stands for.
+
+    **Raises:** `ValueError` for a folder that holds no fit, `FileNotFoundError` where there is none.
+    """
     path = Path(folder)
+    if path.name == MARKER and path.is_file():
+        return path.parent
     if path.is_dir():
         if not (path / MARKER).is_file():
             raise ValueError(f"{path} holds no fit: there is no {MARKER}")
@@ -162,19 +176,26 @@ def _read_curves(path: Path, observation: Observation) -> tuple[Curve, ...]:
     """A curve ends where its name changes or time goes back."""
     curves: list[tuple[tuple[str, Channel], list[list[float]]]] = []
     with open(path, newline="", encoding="utf-8") as file:
-        for condition, channel, *cells in list(csv.reader(file))[1:]:
+        (_, _, _, *columns), *lines = csv.reader(file)
+        for condition, channel, *cells in lines:
             row = [float(cell) if cell else math.nan for cell in cells]
             if not curves or curves[-1][0] != (condition, channel) or row[0] <= curves[-1][1][-1][0]:
                 curves.append(((condition, cast(Channel, channel)), []))
             curves[-1][1].append(row)
     return tuple(
-        _curve(condition, channel, rest_of(channel, observation), *np.array(rows).T)
+        _curve(
+            condition,
+            channel,
+            rest_of(channel, observation),
+            dict(zip(("time", *columns), np.array(rows).T, strict=True)),
+        )
         for (condition, channel), rows in curves
     )
 
 
-def _curve(condition: str, channel: Channel, rest: float, *columns: np.ndarray) -> Curve:
-    """The curve; the column of upper edges is empty beside a target that is no band."""
-    plain_columns, (*upper,) = columns[: 1 + len(_COLUMNS)], columns[1 + len(_COLUMNS) :]
-    is_band = bool(upper) and not np.isnan(upper[0]).all()
-    return Curve(condition, channel, *plain_columns, rest=rest, upper=upper[0] if is_band else None)
+def _curve(condition: str, channel: Channel, rest: float, columns: dict[str, np.ndarray]) -> Curve:
+    """The curve. The column of upper edges is empty beside what is no band; an earlier version wrote no errors."""
+    nothing = np.full(len(columns["time"]), np.nan)
+    columns = {"error": nothing, "upper": nothing} | columns
+    upper = columns.pop("upper")
+    return Curve(condition, channel, **columns, rest=rest, upper=None if np.isnan(upper).all() else upper)

@@ -47,7 +47,10 @@ _SOLVER = {
 _CURVE_SOLVER = table("Solver", _SOLVER | {"loss": Literal["squares", "huber", "soft_l1", "cauchy"]})
 _ALARM_SOLVER = table("Solver_for_alarms", _SOLVER | {"descend": Count, "generations": Count})
 _UNCERTAINTY = table("Uncertainty", {"absolute_errors": Truth, "profile": list[Text], "samples": Count})
-_VALIDATION = table("Validation", {"leave_one_out": Truth, "looming_law": Truth})
+_LEFT_OUT = either(
+    lambda content: "groups" if isinstance(content, str) else "each", {"each": Truth, "groups": names(["family"])}
+)
+_VALIDATION = table("Validation", {"leave_one_out": _LEFT_OUT, "looming_law": Truth})
 _CHOICE = table("Choice", {"properties": Truth})
 _WEIGHTS = table("Weights", {"miss": NotNegative, "false_alarm": NotNegative})
 

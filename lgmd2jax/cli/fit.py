@@ -25,12 +25,16 @@ def run(options: argparse.Namespace) -> None:
     start = time.monotonic()
     recipe = load_recipe(options.recipe)
     if isinstance(recipe, AlarmRecipe):
+        if options.mechanisms is not None:
+            raise ValueError("--mechanisms is for a recipe of kind 'fit'; write those of alarms in its [structure]")
         fit_alarms.run(options, recipe, start)
         return
     if not isinstance(recipe, Recipe):
         raise ValueError(f"{options.recipe} is the recipe of a sweep; run lgmd2jax sweep {options.recipe}")
     if options.clips is not None:
         raise ValueError(f"--clips is for a recipe of kind 'alarms'; that of {options.recipe} is 'fit'")
+    if options.mechanisms is not None:
+        recipe = recipe.with_mechanisms(*options.mechanisms)
     _fit_curves(options, recipe, start)
 
 

@@ -1,4 +1,5 @@
 # The public names. `__init__.py` loads each of them when it is first used.
+from ._comparison import Comparison as Comparison
 from ._conditions import AnyTarget as AnyTarget
 from ._curve import Curve as Curve
 from ._fit import fit as fit

@@ -46,6 +46,8 @@ class Curve:
     - `weight`: of the squared difference; 0 where there is no target.
     - `band`: standard error of the prediction, from that of the parameters.
     - `rest`: the channel of a cell that stays at rest, in its unit.
+    - `error`: standard error with which a frame counts in chi2, the larger the more frames make one independent sample;
+      NaN where there is no target, and throughout where an earlier version wrote the curves.
     - `upper`: makes the target a band, of which `target` is the lower edge. `quote`: the words that it stands for.
     """
 
@@ -59,6 +61,7 @@ class Curve:
     hard: Float[np.ndarray, " time"]
     band: Float[np.ndarray, " time"]
     rest: float
+    error: Float[np.ndarray, " time"]
     upper: Float[np.ndarray, " time"] | None = None
     quote: str = ""
 
@@ -95,6 +98,21 @@ class Curve:
     def inside(self, kind: Kind = "hard") -> float:
         """Share of the samples that count which lie within the band."""
         return float(np.mean(self.distance(kind)[self.weight > 0] == 0))
+
+    def chi2(self, kind: Kind = "hard") -> float:
+        """Sum of the squared distances in standard errors, of independent samples; NaN where errors are unknown."""
+        return self._chi2_of(self.distance(kind))
+
+    @property
+    def chi2_of_mean(self) -> float:
+        """Chi2 of a constant, the target's own mean: what there is to explain; NaN for a band."""
+        return (
+            float("nan") if self.is_band else self._chi2_of(self.target - np.average(self.target, weights=self.weight))
+        )
+
+    def _chi2_of(self, distance: Float[np.ndarray, " time"]) -> float:
+        counted = self.weight > 0
+        return float(np.square(distance[counted] / self.error[counted]).sum())
 
     @property
     def span(self) -> float:
@@ -196,7 +214,8 @@ def curve_of(
     nothing = np.full(len(target.values), np.nan)
     sem = nothing if target.sem is None else np.asarray(target.sem)
     weight = np.broadcast_to(target.weight, target.values.shape)
-    time = np.asarray(stimulus.time)
+    time, scale = np.asarray(stimulus.time), target.scale
+    error = np.where(scale > 0, np.sqrt(target.thinning) / np.where(scale > 0, scale, 1), np.nan)
     return Curve(
         stimulus.name,
         target.channel,
@@ -208,6 +227,7 @@ def curve_of(
         hard,
         band,
         rest,
+        error,
         upper=target.upper,
         quote=target.quote,
     )

@@ -1,6 +1,7 @@
 """The fit: screening on two levels, descents from the best, the choice by the model's own loss, the uncertainty."""
 
 import dataclasses
+import hashlib
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
@@ -33,6 +34,7 @@ from lgmd2jax.fitting._starts import CurveStarts
 from lgmd2jax.fitting._uncertainty.covariance import Uncertainty, linearised_uncertainty, prediction_band
 from lgmd2jax.fitting._uncertainty.jacobian import Sensitivity, sensitivity_at
 from lgmd2jax.fitting._uncertainty.linearity import nonlinear_parameters
+from lgmd2jax.stimuli import Stimulus
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -176,6 +178,7 @@ def fit(
             **choice,
             **_loudest(model, pairs),
             "rules": _rules(pairs),
+            "stimuli": {stimulus.name: _digest(stimulus) for stimulus, _ in pairs},
         },
         problem=problem,
     )
@@ -260,6 +263,12 @@ def _loudest(model: AbstractNetwork, pairs: Sequence[Rendered]) -> dict[str, Any
 def _rules(pairs: Sequence[Rendered]) -> dict[str, int]:
     """How samples are counted and errors arose, where that is not plain, and of how many targets."""
     return dict(Counter(rule for _, targets in pairs for target in targets for rule in target.rules))
+
+
+def _digest(stimulus: Stimulus) -> str:
+    """What tells stimuli apart: their frames in hundredths of a grey level, beyond rounding, and their times."""
+    frames = np.rint(100 * np.asarray(stimulus.frames, dtype=float)).astype(np.int32)
+    return hashlib.sha256(frames.tobytes() + np.asarray(stimulus.time, dtype=float).tobytes()).hexdigest()[:16]
 
 
 def _uncertainty(problem: Problem, z: Float[np.ndarray, " free"], slopes: Sensitivity, absolute: bool) -> Uncertainty:

@@ -1,4 +1,4 @@
-"""How well a model predicts a condition that it was not fitted to: each is left out in turn."""
+"""How well a model predicts what it was not fitted to: each condition, or each family, is left out in turn."""
 
 from collections.abc import Callable, Sequence
 
@@ -24,22 +24,30 @@ def check_no_bands(pairs: Sequence[Pair]) -> None:
             raise ValueError(f"the target of {stimulus.name!r} is a band, which has no R2; leave leave_one_out out")
 
 
-def leave_one_out(fit_to: FitTo, pairs: Sequence[Pair]) -> dict[str, float]:
-    """R2 of each condition's first target, predicted by a fit to all other conditions.
+def leave_one_out(fit_to: FitTo, pairs: Sequence[Pair], groups: Sequence[str] | None = None) -> dict[str, float]:
+    """R2 of each condition's first target, predicted by a fit to all conditions of other groups.
 
-    **Raises:** `ValueError` for fewer than two conditions.
+    **Arguments:** `groups`: of each condition, such as its family; by default each is one by itself.
+
+    **Raises:** `ValueError` for fewer than two groups, and for a band, of which R2 says nothing.
     """
-    return {stimulus.name: predicted_r2(fit_to, pairs, number) for number, (stimulus, _) in enumerate(pairs)}
+    groups = [str(number) for number in range(len(pairs))] if groups is None else groups
+    explained = [predicted_r2(fit_to, pairs, groups, left_out) for left_out in dict.fromkeys(groups)]
+    return {name: r2 for group in explained for name, r2 in group.items()}
 
 
-def predicted_r2(fit_to: FitTo, pairs: Sequence[Pair], left_out: int) -> float:
-    """R2 of the first target of the condition with this number, predicted by a fit to all other conditions.
+def predicted_r2(fit_to: FitTo, pairs: Sequence[Pair], groups: Sequence[str], left_out: str) -> dict[str, float]:
+    """R2 of the first target of each condition of one group, predicted by a fit to all conditions of the others.
 
-    **Raises:** `ValueError` for fewer than two conditions, and for a band, of which R2 says nothing.
+    **Raises:** `ValueError` as `leave_one_out`.
     """
-    if len(pairs) < 2:
-        raise ValueError("there is one condition only; to leave one out, give two or more")
+    if len(set(groups)) < 2:
+        raise ValueError("there is one condition only, or one family; to leave one out, give two or more")
     check_no_bands(pairs)
-    stimulus, (target, *_) = pairs[left_out]
-    predict = fit_to([pair for number, pair in enumerate(pairs) if number != left_out])
-    return variance_explained(target.values, predict(stimulus, target.channel), target.weight)
+    labelled = list(zip(pairs, groups, strict=True))
+    predict = fit_to([pair for pair, group in labelled if group != left_out])
+    return {
+        stimulus.name: variance_explained(target.values, predict(stimulus, target.channel), target.weight)
+        for (stimulus, (target, *_)), group in labelled
+        if group == left_out
+    }

@@ -26,6 +26,7 @@ def curve(
         "soft": soft,
         "hard": soft.copy(),
         "band": np.full(frames, 0.01),
+        "error": np.full(frames, 0.02),
         "rest": TARGETS[channel].rest or 0.0,
     }
     return Curve(condition, channel, **(given | changes))

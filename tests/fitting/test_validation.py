@@ -43,3 +43,20 @@ def test_what_is_predicted_was_not_seen():
 def test_one_condition_cannot_be_left_out():
     with pytest.raises(ValueError, match="one condition only"):
         leave_one_out(mean_of, pairs_of(1))
+
+
+def test_a_family_is_left_out_as_one():
+    pairs = pairs_of(4)
+    r2 = leave_one_out(mean_of, pairs, ["looming", "grating", "looming", "grating"])
+    curves = [target.values for _, (target,) in pairs]
+    for i, name in enumerate(r2):
+        assert name == ("number 0", "number 2", "number 1", "number 3")[i]
+    others = np.mean([curves[1], curves[3]], axis=0)
+    for i in (0, 2):
+        expected = 1 - np.mean((others - curves[i]) ** 2) / np.var(curves[i])
+        np.testing.assert_allclose(r2[f"number {i}"], expected)
+
+
+def test_one_family_cannot_be_left_out():
+    with pytest.raises(ValueError, match="one family"):
+        leave_one_out(mean_of, pairs_of(3), ["looming"] * 3)

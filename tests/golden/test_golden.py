@@ -29,8 +29,9 @@ LAST_OF_NINE_DIGITS = 2e-8
 SUPERSEDED = {
     "model_files": ("/keys",),  # version 2 names its network
     "fit_hard": ("confidence",),  # was always .95
-    # Widths of mechanisms that came later, version 2 of the model, and the rules of samples and errors.
-    "fit_soft_and_its_files": ("confidence", "/widths/keys", "model.json/keys", "/stats/keys"),
+    # Widths of mechanisms that came later, version 2 of the model, the rules of samples and errors, digests of stimuli,
+    # and in the table of curves the error of each frame.
+    "fit_soft_and_its_files": ("confidence", "/widths/keys", "model.json/keys", "/stats/keys", "curves.csv/header"),
     "files_of_version_1": ("confidence",),
     # The error over few animals is drawn towards the Poisson error; values further apart than the frames count once.
     "targets": ("trains: sem", "interpolated: weight"),

@@ -79,7 +79,8 @@ def test_intervals_state_their_confidence(folder):
 def test_curves_are_a_table(folder):
     with open(folder / "curves.csv", newline="") as file:
         rows = list(csv.DictReader(file))
-    assert list(rows[0]) == ["condition", "channel", "time_ms", "target", "sem", "weight", "soft", "hard", "band"]
+    columns = ["condition", "channel", "time_ms", "target", "sem", "weight", "soft", "hard", "band", "error"]
+    assert list(rows[0]) == columns
     assert len(rows) == 90
     assert rows[0]["sem"] == ""
     assert rows[-1]["sem"] == "2"

@@ -11,6 +11,8 @@ examples:
   lgmd2jax fit mine.toml              one of your own: results in mine/ beside mine.toml
   lgmd2jax fit mine.toml -o tonight   results in tonight/
   lgmd2jax fit mine.toml --resume     go on where a fit was stopped or killed
+  lgmd2jax fit mine.toml --mechanisms size shunt -o with-both
+                                      the recipe's fit of a circuit with these mechanisms
   lgmd2jax fit video                  alarms on labelled clips instead of curves: in time, else silence
   lgmd2jax fit video --clips my.toml  the same with labelled clips of your own beside the rendered ones
 
@@ -43,6 +45,13 @@ def add(commands: argparse._SubParsersAction) -> None:
     )
     add_recipe(parser)
     parser.add_argument("--resume", action="store_true", help="keep the starts that an earlier run has finished")
+    parser.add_argument(
+        "--mechanisms",
+        nargs="*",
+        metavar="NAME",
+        help="the mechanisms of the circuit instead of the recipe's: of size, shunt, lag, membrane; none for the "
+        "paper's circuit. Parameters that come into play by that are free too",
+    )
     parser.add_argument(
         "--clips",
         type=Path,

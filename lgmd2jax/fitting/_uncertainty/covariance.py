@@ -101,9 +101,7 @@ def linearised_uncertainty(
     degrees = n_effective - (inside or 0) - max(count - priors, 0)
     reduced = chi2 / degrees if degrees > 0 else np.nan
     variance = 1.0 if absolute else reduced
-    likelihood = n_effective * np.log(max(chi2 / n_effective, 1e-250)) if n_effective else np.nan
-    if inside is not None:
-        likelihood = chi2
+    aic, bic = information_criteria(chi2, n_effective, count, known_errors=inside is not None)
 
     on_bound = np.where(z <= _ON_BOUND, -1, np.where(z >= 1 - _ON_BOUND, 1, 0))
     reason = _reason(jacobian, residuals, variance)
@@ -149,10 +147,23 @@ def linearised_uncertainty(
         degrees_of_freedom=float(degrees),
         chi2=chi2,
         reduced_chi2=float(reduced),
-        aic=float(likelihood + 2 * count),
-        bic=float(likelihood + count * np.log(n_effective)) if n_effective else np.nan,
+        aic=aic,
+        bic=bic,
         reason=reason,
     )
+
+
+def information_criteria(
+    chi2: float, samples: float | int, free: int, *, known_errors: bool = False
+) -> tuple[float, float]:
+    """AIC and BIC of a fit with so many free parameters (as in lmfit).
+
+    **Arguments:** `chi2` and `samples` of independent samples. `known_errors`: their scale is not free.
+    """
+    if not samples:
+        return np.nan, np.nan
+    likelihood = chi2 if known_errors else samples * np.log(max(chi2 / samples, 1e-250))
+    return float(likelihood + 2 * free), float(likelihood + free * np.log(samples))
 
 
 def prediction_band(u: Uncertainty, slopes: Float[np.ndarray, "time free"]) -> Float[np.ndarray, " time"]:

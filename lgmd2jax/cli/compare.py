@@ -1,0 +1,26 @@
+"""`lgmd2jax compare FIT FIT ...`: fits to the same data side by side."""
+
+import argparse
+import contextlib
+
+from lgmd2jax._files.atomic import replaced
+from lgmd2jax._results.comparison import compare, write_csv, write_json
+
+
+def run(options: argparse.Namespace) -> None:
+    """Compare the fits, write what was asked for, and print the tables."""
+    from lgmd2jax._figures.comparison import comparison_figure
+    from lgmd2jax._figures.style import check_figure_path
+
+    if options.figure:
+        check_figure_path(options.figure)
+    writers = {options.json: write_json, options.csv: write_csv, options.figure: comparison_figure}
+    writers.pop(None, None)
+    with contextlib.ExitStack() as stack:
+        files = {path: stack.enter_context(replaced(path)) for path in writers}
+        comparison = compare(options.fits, properties=options.properties, progress=True)
+        for path, write in writers.items():
+            write(files[path], comparison)
+    print(comparison.summary())
+    if writers:
+        print("\nwrote " + ", ".join(map(str, writers)))
