@@ -6,11 +6,12 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax.core import Tracer
-from jaxtyping import Array, Float, Real
+from jaxtyping import Array, Float, PRNGKeyArray, Real, UInt32
 
 Scalar = Float[Array, ""]
 Map = Float[Array, "row col"]
 Times = Float[Array, " time"]
+Key = PRNGKeyArray | UInt32[Array, "2"]
 Number = float | int | np.number | Real[Array | np.ndarray, ""]
 
 Tree = TypeVar("Tree")
@@ -31,3 +32,12 @@ def cast(tree: Tree, dtype) -> Tree:
 def unless_nan(source: Float[Array, " *map"], value: Float[Array, " *map"]) -> Float[Array, " *map"]:
     """The value, and NaN where its source is: a comparison, or XLA's product with one, would hide that."""
     return jnp.where(jnp.isnan(source), jnp.nan, value)
+
+
+def check_key(key: Key) -> None:
+    """Raise `ValueError` for what is no single key of JAX's, such as a seed or a generator of NumPy's."""
+    is_array = isinstance(key, jax.Array)
+    if is_array and jnp.issubdtype(key.dtype, jax.dtypes.prng_key) and key.shape == ():
+        return
+    if not (is_array and key.dtype == jnp.uint32 and key.shape == (2,)):
+        raise ValueError(f"key is {key!r:.60}; give one of JAX's, such as jax.random.key(0)")

@@ -47,7 +47,8 @@ def within(place: str) -> Iterator[None]:
     """Name the place in every refusal that leaves the block. A fault of the library leaves it as it is."""
     try:
         yield
-    except ValueError as error:
+    except (ValueError, FileNotFoundError) as error:
         if not is_refusal(error):
             raise
-        raise ValueError(f"{place}: {error}") from error
+        kind = ValueError if isinstance(error, ValueError) else FileNotFoundError
+        raise kind(f"{place}: {error}") from error

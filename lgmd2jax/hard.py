@@ -22,6 +22,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
@@ -281,8 +282,34 @@ def read(path) -> dict:
 
     **Raises:** as `load`.
     """
-    content = read_any(path)
+    if os.path.isdir(path):
+        raise IsADirectoryError(f"{path} is a folder; give a file")
     try:
+        with open(path, encoding="utf-8") as file:
+            content = json.load(file)
+    except (ValueError, RecursionError) as error:
+        raise ValueError(f"{path} is not a hand-over file: no JSON ({error})") from None
+    try:
+        if not isinstance(content, dict) or content.get("format") != FORMAT:
+            raise ValueError(f"its format is not {FORMAT!r}")
+        version = content.get("version")
+        if type(version) is not int or version not in (1, VERSION):
+            raise ValueError(f"its version is {version!r}, this program reads 1 and {VERSION}; update it")
+        later = ("mechanisms", "calibration") if version > 1 else ()
+        names = (("network",) if version > 1 else ()) + ("parameters", "structure", "eye", "provenance", "test_vector")
+        for name in names:
+            if name not in content:
+                raise ValueError(f"{name} is missing")
+        for name in content:
+            if name not in ("format", "version", *names, *later):
+                raise ValueError(f"{name} is unknown; there are {', '.join(('format', 'version', *names, *later))}")
+        for name, absent in (("network", NETWORK), ("mechanisms", {}), ("calibration", {})):
+            content.setdefault(name, absent)
+        for name in ("parameters", "mechanisms", "structure", "provenance", "calibration"):
+            if not isinstance(content[name], dict):
+                raise ValueError(f"{name} is {content[name]!r}; give values by name")
+        _check_eye(content["eye"])
+        check_test_vector(content["test_vector"], content["eye"])
         if content["network"] != NETWORK:
             raise ValueError(f"its network is {content['network']!r}; this program runs the {NETWORK} alone")
         _check_parameters(content["parameters"], DOMAINS)
@@ -304,48 +331,6 @@ def _model(content, fps):
     for values in content["mechanisms"].values():
         parameters.update(values)
     return HardLGMD2(parameters, fps, mechanisms=tuple(content["mechanisms"]), **content["structure"])
-
-
-def read_any(path) -> dict:
-    """The content of a hand-over file of any network, as far as it is the same for all: what is proved is its form.
-
-    **Raises:** as `load`.
-    """
-    try:
-        with open(path, encoding="utf-8") as file:
-            content = json.load(file)
-    except (ValueError, RecursionError) as error:
-        raise ValueError(f"{path} is not a hand-over file: no JSON ({error})") from None
-    try:
-        if not isinstance(content, dict) or content.get("format") != FORMAT:
-            raise ValueError(f"its format is not {FORMAT!r}")
-        version = content.get("version")
-        if isinstance(version, bool) or version not in (1, VERSION):
-            raise ValueError(f"its version is {version!r}, this program reads 1 and {VERSION}; update it")
-        later = ("mechanisms", "calibration") if version > 1 else ()
-        names = (("network",) if version > 1 else ()) + ("parameters", "structure", "eye", "provenance", "test_vector")
-        for name in names:
-            if name not in content:
-                raise ValueError(f"{name} is missing")
-        for name in content:
-            if name not in ("format", "version", *names, *later):
-                raise ValueError(f"{name} is unknown; there are {', '.join(('format', 'version', *names, *later))}")
-        for name, absent in (("network", NETWORK), ("mechanisms", {}), ("calibration", {})):
-            content.setdefault(name, absent)
-        if not isinstance(content["network"], str):
-            raise ValueError(f"its network is {content['network']!r}; give the name of one")
-        for name in ("parameters", "mechanisms", "structure", "provenance", "calibration"):
-            if not isinstance(content[name], dict):
-                raise ValueError(f"{name} is {content[name]!r}; give values by name")
-        mechanisms: Any = content["mechanisms"]
-        for name, values in mechanisms.items():
-            if not isinstance(values, dict):
-                raise ValueError(f"mechanism {name} is {values!r}; give values by name")
-        _check_eye(content["eye"])
-        _check_test_vector(content["test_vector"], content["eye"])
-    except ValueError as error:
-        raise ValueError(f"{path} is not a hand-over file that can be used: {error}") from None
-    return content
 
 
 def prove(response: Response, vector: Mapping) -> None:
@@ -436,29 +421,41 @@ def _check_eye(eye):
         raise ValueError(f"projection is {eye['projection']!r}; give 'equidistant' or 'pinhole'")
 
 
-def _check_test_vector(vector, eye):
+def check_test_vector(vector, eye):
+    """Raise `ValueError` for a test vector without a value for each frame, and at another rate than the eye's."""
     if not isinstance(vector, dict) or set(vector) != set(TEST_VECTOR):
         raise ValueError(f"test_vector does not hold {', '.join(TEST_VECTOR)}")
     if not _is_positive(vector["fps"]) or (eye and eye["fps"] != vector["fps"]):
         raise ValueError(f"the fps of test_vector is {vector['fps']!r}; it must be positive, and that of the eye")
     if not (_is_positive(vector["tolerance"]) and vector["tolerance"] <= 1e-3):
         raise ValueError(f"the tolerance of test_vector is {vector['tolerance']!r}; it must lie in (0, 0.001]")
-    frames, response = _array(vector["frames"]), vector["response"]
+    frames, response = _array(vector["frames"], (int,)), vector["response"]
     if not (frames.dtype.kind == "i" and frames.ndim == 3 and min(frames.shape) >= 3) or (frames & ~255).any():
         raise ValueError("the frames of test_vector are not whole grey levels 0..255 of (time, row, col)")
     if not isinstance(response, dict) or set(response) != set(Response._fields):
         raise ValueError(f"the response of test_vector does not hold {', '.join(Response._fields)}")
-    for name, kinds in zip(Response._fields, ("fi", "fi", "fi", "fi", "i", "b")):
-        channel = _array(response[name])
-        if channel.dtype.kind not in kinds or channel.shape != frames.shape[:1] or not np.isfinite(channel).all():
+    for name in Response._fields:
+        types = {"spikes": (int,), "collision": (bool,)}.get(name, (int, float))
+        channel = _array(response[name], types)
+        if channel.dtype.kind not in "fib" or channel.shape != frames.shape[:1] or not np.isfinite(channel).all():
             raise ValueError(f"{name} in the response of test_vector is not a finite value for each frame")
 
 
-def _array(nested):
+def _array(nested, types):
+    """Nested lists of values of these types as an array; where they hold anything else, one of the kind "O"."""
     try:
-        return np.array(nested)
+        array = np.array(nested)
     except ValueError:  # lists of unequal lengths
         return np.array(None)
+    return array if all(type(value) in types for value in _flat(nested)) else np.array(None)
+
+
+def _flat(nested):
+    if not isinstance(nested, list):
+        yield nested
+        return
+    for part in nested:
+        yield from _flat(part)
 
 
 def _check_rate(fps):

@@ -16,6 +16,7 @@ from lgmd2jax._eye import Eye
 from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.parameters import symbols
 from lgmd2jax._network.variants import ablate
+from lgmd2jax._types import check_key
 from lgmd2jax.fitting import Fit
 
 _SLOWEST, _COARSEST, _NARROWEST = 10.0, 10.0, 40.0  # fps, degrees a pixel, degrees of field
@@ -42,6 +43,8 @@ def characterise(
     fit = model if isinstance(model, Fit) else None
     if key is not None and fit is None:
         raise ValueError("key is given without a fit; intervals need its covariance, so give lgmd.load_fit(...)")
+    if key is not None:
+        check_key(key)
     model = model.model if isinstance(model, Fit) else model
     eye = _usable(model)
     result = _result(model, exam_of(eye), _neuron(model), progress)

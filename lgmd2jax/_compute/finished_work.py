@@ -44,7 +44,7 @@ class FileMemory(dict[str, Any]):
         super().__init__()
         self._path, self._digest, self._begun = path, digest, False
         if resume and path.is_file():
-            first, *lines = path.read_text(encoding="utf-8").split("\n")
+            first, *lines = path.read_text(encoding="utf-8", errors="replace").split("\n")
             if first != _line("digest", digest):
                 raise ValueError(f"{path} keeps the work of another recipe, or of other data; run without --resume")
             self.update(_entries(lines))
@@ -72,7 +72,9 @@ def _line(key: str, value: Any) -> str:
 def _entries(lines: list[str]) -> Iterator[tuple[str, Any]]:
     for line in lines:
         try:
-            key, value = json.loads(line)
-        except ValueError:
+            entry = json.loads(line)
+        except (ValueError, RecursionError):
             return
-        yield key, value
+        if not (isinstance(entry, list) and len(entry) == 2 and isinstance(entry[0], str)):
+            return
+        yield entry[0], entry[1]

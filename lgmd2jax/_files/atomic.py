@@ -1,6 +1,7 @@
-"""Files appear whole or not at all; a TOML file that is none is refused."""
+"""Files appear whole or not at all; a TOML or JSON file that is none is refused."""
 
 import contextlib
+import json
 import os
 import tomllib
 from collections.abc import Iterator
@@ -45,3 +46,16 @@ def read_toml(path: Path) -> dict[str, Any]:
         return tomllib.loads(path.read_text(encoding="utf-8"))
     except (ValueError, RecursionError) as error:  # also a number of 5,000 digits, and 1,000 lists in each other
         raise ValueError(f"{path} is not a TOML file: {error}") from error
+
+
+def read_json(path: Path) -> Any:
+    """The content of a JSON file.
+
+    **Raises:** `ValueError` that names the file, for what is not JSON; `OSError` where it cannot be read.
+    """
+    if path.is_dir():
+        raise IsADirectoryError(f"{path} is a folder; give a file")
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except (ValueError, RecursionError) as error:
+        raise ValueError(f"{path} is not a JSON file: {error}") from error

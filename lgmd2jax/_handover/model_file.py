@@ -1,4 +1,4 @@
-"""The hand-over file model.json: what leaves the library for a robot. Its form is checked by `hard.py`."""
+"""The hand-over file model.json: what leaves the library for a robot."""
 
 import dataclasses
 import json
@@ -7,13 +7,14 @@ import re
 import sys
 from collections.abc import Mapping
 from importlib.metadata import version
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from lgmd2jax import hard
 from lgmd2jax._eye import Eye
-from lgmd2jax._files.atomic import replaced
+from lgmd2jax._files.atomic import read_json, replaced
 from lgmd2jax._handover.response_vector import response_vector
 from lgmd2jax._handover.test_vector import make_test_vector
 from lgmd2jax._network.abstract import AbstractNetwork, parameters_of
@@ -22,7 +23,9 @@ from lgmd2jax._network.networks import NETWORKS
 from lgmd2jax._network.parameter_set import declared
 from lgmd2jax._network.structure import structure_fields, structure_of
 from lgmd2jax._network.thresholds import Hard
-from lgmd2jax._words import nearest
+from lgmd2jax._schemas.check import check
+from lgmd2jax._schemas.model_file import MODEL_FILE
+from lgmd2jax._words import nearest, within
 
 Plain = str | int | float | bool
 
@@ -80,19 +83,24 @@ def load(path: str | os.PathLike, network: type[AbstractNetwork] | None = None) 
 
     **Raises:** `ValueError` that says what is wrong with the file, `OSError` where it cannot be read.
     """
-    content = hard.read_any(path)
-    try:
-        kind = _kind(content["network"], network)
-        if kind is LGMD2:
-            return _built(kind, hard.read(path))
-        model = _built(kind, content)
-        vector = content["test_vector"]
-        response = model(np.array(vector["frames"], float), vector["fps"])
-        hard.prove(hard.Response(*(np.asarray(getattr(response, name)) for name in hard.Response._fields)), vector)
-        return model
-    except (TypeError, ValueError) as error:
-        message = str(error).removeprefix(f"{path} is not a hand-over file that can be used: ")
-        raise ValueError(f"{path} is not a hand-over file that can be used: {message}") from None
+    path = Path(path)
+    content = read_json(path)
+    with within(f"{path} is not a hand-over file that can be used"):
+        check(MODEL_FILE, content)
+        kind = _kind(content.get("network", LGMD2.__name__), network)
+        if kind is not LGMD2:
+            return _proved(kind, content)
+    return _built(kind, hard.read(path))
+
+
+def _proved(kind: type[AbstractNetwork], content: Mapping[str, Any]) -> AbstractNetwork:
+    """The model, which answers the test vector as the file says."""
+    vector = content["test_vector"]
+    hard.check_test_vector(vector, content["eye"])
+    model = _built(kind, content)
+    response = model(np.array(vector["frames"], float), vector["fps"])
+    hard.prove(hard.Response(*(np.asarray(getattr(response, name)) for name in hard.Response._fields)), vector)
+    return model
 
 
 def as_lgmd2(model: AbstractNetwork) -> LGMD2:
@@ -131,7 +139,7 @@ def _kind(name: str, network: type[AbstractNetwork] | None) -> type[AbstractNetw
 
 def _built(kind: type[AbstractNetwork], content: Mapping[str, Any]) -> AbstractNetwork:
     eye = None if content["eye"] is None else Eye(**content["eye"])
-    values, mechanisms = dict(content["parameters"]), content["mechanisms"]
+    values, mechanisms = dict(content["parameters"]), content.get("mechanisms", {})
     for table in mechanisms.values():
         values |= table
     known = declared(parameters_of(kind))
@@ -141,10 +149,12 @@ def _built(kind: type[AbstractNetwork], content: Mapping[str, Any]) -> AbstractN
     for name, symbol in known.items():
         if name not in values and symbol.mechanism in (None, *mechanisms):
             raise ValueError(f"parameter {name} is missing")
-        value = values.get(name, 0.0)
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or not abs(value) <= sys.float_info.max:
-            raise ValueError(f"parameter {name} is {value!r}; give a number")
-    structure = dict(content["structure"])
+    structure = {
+        name: tuple(value) if isinstance(value, list) else value for name, value in content["structure"].items()
+    }
+    for name in structure:
+        if name not in (static := structure_fields(kind)):
+            raise ValueError(f"structure {name} is unknown; choose {nearest(name, static)}")
     if "mechanisms" in structure_fields(kind):
         structure["mechanisms"] = tuple(mechanisms)
     elif mechanisms:

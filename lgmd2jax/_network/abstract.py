@@ -120,6 +120,11 @@ class AbstractNetwork(eqx.Module):
         }
         return dataclasses.replace(self, parameters=dataclasses.replace(self.parameters, **changes))
 
+    def __hash__(self):
+        """By value, as equality is, so that `jax.jit(model)` compiles once for equal models."""
+        leaves, structure = jax.tree.flatten(self)
+        return hash((structure, *(np.asarray(leaf).tobytes() for leaf in leaves)))
+
     def __check_init__(self):
         kinds = {"parameters": (parameters_of(type(self)),), "thresholds": (Thresholds,), "eye": (Eye, type(None))}
         for name, kind in kinds.items():

@@ -92,6 +92,7 @@ def _scan(pixels: PixelParts, frames, interval, names: tuple[str, ...]) -> tuple
         if not names:
             mp = pixels.gate_and_pool(pixels.add_flows(signals))
             return _Carry(traces, {}, (border,)), (Sums(mp, f), ({}, {}))
+        of_advance = _linearised(advance, pixels, carry.traces)
         s, to_signals = jax.vjp(pixels.add_flows, signals)
         # Linearised once for all parameters: XLA would compute the slope of the gate anew for each.
         mp, of_s = jax.linearize(pixels.gate_and_pool, s)
@@ -103,7 +104,7 @@ def _scan(pixels: PixelParts, frames, interval, names: tuple[str, ...]) -> tuple
         def derivatives(name: str) -> tuple[Traces, Scalar | None, Scalar | None]:
             """Of the traces, MP and F."""
             unit = _unit(pixels, name)
-            _, (maps, df) = eqx.filter_jvp(advance, (pixels, carry.traces), (unit, carry.sensitivities[name]))
+            maps, df = of_advance(unit, carry.sensitivities[name])
             _, ds = eqx.filter_jvp(lambda stage: stage.add_flows(signals), (pixels,), (unit,))
             _, dmp = eqx.filter_jvp(lambda stage: stage.gate_and_pool(s), (pixels,), (unit,))
             changes = {field: getattr(maps, field) for field in ("on", "off", "d_on", "d_off")}
@@ -121,6 +122,18 @@ def _scan(pixels: PixelParts, frames, interval, names: tuple[str, ...]) -> tuple
     maps = {name: _maps_at_rest(pixels, name, rest, interval) for name in names}
     start = _Carry(rest, maps, (rest.on,) * (3 if names else 1))
     return jax.lax.scan(step, start, jnp.arange(len(frames)))[1]
+
+
+def _linearised(function, *inputs):
+    """The derivative of a function at these inputs, by tangents of which some are None, as in `equinox.filter_jvp`."""
+    arrays, rest = eqx.partition(inputs, eqx.is_array)
+    _, linear = jax.linearize(lambda arrays: function(*eqx.combine(arrays, rest)), arrays)
+    zeros = jax.tree.map(jnp.zeros_like, arrays)
+
+    def derivative(*tangents):
+        return eqx.filter_jvp(linear, (zeros,), (tangents,))[1]
+
+    return derivative
 
 
 def _change(frames, t) -> Map:

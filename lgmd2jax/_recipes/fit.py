@@ -19,7 +19,7 @@ from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._network.parameters import symbols
 from lgmd2jax._protocol.protocol import load_protocol
 from lgmd2jax._targets.observation import Observation
-from lgmd2jax._words import nearest
+from lgmd2jax._words import nearest, within
 from lgmd2jax.fitting import Fit, Free, Profile, Supplement, fit
 from lgmd2jax.fitting._conditions import Rendered, render
 from lgmd2jax.fitting._law_fit import check_approaches, compare_with_law
@@ -178,8 +178,9 @@ def fit_recipe(path: Path, table: dict[str, Any]) -> Recipe:
         for name in names:
             if name not in free.names:
                 raise ValueError(f"{key}: {name!r} is not free; choose {nearest(name, free.names)}")
-    protocol = load_protocol(beside(path, table["protocol"]))
-    pairs = tuple(render(protocol.conditions))
+    protocol = load_protocol(source := beside(path, table["protocol"]))
+    with within(str(source)):
+        pairs = tuple(render(protocol.conditions))
     if validation.get("looming_law", False):
         check_approaches(pairs)
     if validation.get("leave_one_out", False):

@@ -2,23 +2,25 @@
 
 import csv
 import dataclasses
-import json
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
 from lgmd2jax._channels import Channel
+from lgmd2jax._files.atomic import read_json
 from lgmd2jax._files.catalogue import locate
 from lgmd2jax._files.lock import locked
 from lgmd2jax._handover.model_file import load, save
-from lgmd2jax._results.fit_json import content_of, fit_of, observation_of, plain
+from lgmd2jax._results.fit_json import content_of, fit_of, plain
 from lgmd2jax._results.posterior_nc import write_posterior
 from lgmd2jax._results.results_folder import FIGURES, MARKER, Documents, ResultsFolder, warn_if_unfinished
+from lgmd2jax._schemas.check import check
+from lgmd2jax._schemas.fit import FIT, ROWS
 from lgmd2jax._targets.observation import Observation
-from lgmd2jax._words import warn_renamed
+from lgmd2jax._words import warn_renamed, within
 from lgmd2jax.fitting import Curve, Fit, Posterior, Supplement
 from lgmd2jax.fitting._curve import rest_of
 
@@ -132,15 +134,15 @@ def load_fit(folder: str | Path) -> Fit:
 def load_validated_fit(folder: str | Path) -> tuple[Fit, dict[str, float]]:
     """The fit of `load_fit`, and R2 of each condition that was left out, predicted by a fit to others; {} for none."""
     folder = fit_folder(folder)
-    try:
-        content = json.loads((folder / MARKER).read_text(encoding="utf-8"))
-        curves = _read_curves(folder / "curves.csv", observation_of(content))
-        left_out = {name: math.nan if r2 is None else r2 for name, r2 in content["leave_one_out_r2"].items()}
+    content = read_json(folder / MARKER)
+    with within(f"{folder} holds no fit that can be used"):
+        with within(MARKER):
+            check(FIT, content)
+        with within("curves.csv"):
+            curves = _read_curves(folder / "curves.csv", Observation(**content["observation"]))
         fit = fit_of(content, load(folder / "model.json"), curves)
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
-        raise ValueError(f"{folder} holds no fit that can be used: {error}") from error
     warn_if_unfinished(folder, content.get("unfinished", ()))  # an earlier version did not write it
-    return fit, left_out
+    return fit, {name: math.nan if r2 is None else r2 for name, r2 in content["leave_one_out_r2"].items()}
 
 
 def fit_folder(folder: str | Path) -> Path:
@@ -174,28 +176,46 @@ def _write_curves(path: Path, curves: tuple[Curve, ...]) -> None:
 
 def _read_curves(path: Path, observation: Observation) -> tuple[Curve, ...]:
     """A curve ends where its name changes or time goes back."""
-    curves: list[tuple[tuple[str, Channel], list[list[float]]]] = []
-    with open(path, newline="", encoding="utf-8") as file:
-        (_, _, _, *columns), *lines = csv.reader(file)
-        for condition, channel, *cells in lines:
-            row = [float(cell) if cell else math.nan for cell in cells]
-            if not curves or curves[-1][0] != (condition, channel) or row[0] <= curves[-1][1][-1][0]:
-                curves.append(((condition, cast(Channel, channel)), []))
-            curves[-1][1].append(row)
-    return tuple(
-        _curve(
-            condition,
-            channel,
-            rest_of(channel, observation),
-            dict(zip(("time", *columns), np.array(rows).T, strict=True)),
-        )
-        for (condition, channel), rows in curves
-    )
+    rows = _rows(path)
+    check(ROWS, rows)
+    curves: list[tuple[tuple[str, Channel], list[dict[str, Any]]]] = []
+    for row in rows:
+        name, time = (row.pop("condition"), row.pop("channel")), row["time_ms"]
+        if not curves or curves[-1][0] != name or time <= curves[-1][1][-1]["time_ms"]:
+            curves.append((name, []))
+        curves[-1][1].append(row)
+    return tuple(_curve(*name, rest_of(name[1], observation), rows) for name, rows in curves)
 
 
-def _curve(condition: str, channel: Channel, rest: float, columns: dict[str, np.ndarray]) -> Curve:
+def _rows(path: Path) -> list[dict[str, Any]]:
+    """The rows of a table by the names in its header; cells that hold numbers as numbers, empty ones as None."""
+    try:
+        with open(path, newline="", encoding="utf-8") as file:
+            header, *lines = list(csv.reader(file, strict=True)) or [[]]
+    except (csv.Error, UnicodeDecodeError) as error:
+        raise ValueError(f"it is no table of comma-separated values: {error}") from error
+    if len(set(header)) < len(header):
+        raise ValueError(f"its header names a column twice: {','.join(header):.80}")
+    for number, cells in enumerate(lines):
+        if len(cells) != len(header):
+            raise ValueError(f"[{number}] has {len(cells)} cells and the header {len(header)}")
+    return [{name: _cell(name, text) for name, text in zip(header, cells, strict=True)} for cells in lines]
+
+
+def _cell(name: str, text: str) -> Any:
+    if name in ("condition", "channel"):
+        return text
+    try:
+        return float(text) if text else None
+    except ValueError:
+        return text  # which the schema refuses
+
+
+def _curve(condition: str, channel: Channel, rest: float, rows: list[dict[str, Any]]) -> Curve:
     """The curve. The column of upper edges is empty beside what is no band; an earlier version wrote no errors."""
-    nothing = np.full(len(columns["time"]), np.nan)
-    columns = {"error": nothing, "upper": nothing} | columns
-    upper = columns.pop("upper")
-    return Curve(condition, channel, **columns, rest=rest, upper=None if np.isnan(upper).all() else upper)
+    columns = {
+        name: np.array([math.nan if (value := row.get(name)) is None else value for row in rows])
+        for name in ("time_ms", *_COLUMNS, "upper")
+    }
+    time, upper = columns.pop("time_ms"), columns.pop("upper")
+    return Curve(condition, channel, time, **columns, rest=rest, upper=None if np.isnan(upper).all() else upper)

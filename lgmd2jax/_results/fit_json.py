@@ -83,19 +83,23 @@ def content_of(fit: Fit, supplement: Supplement) -> dict[str, Any]:
 
 
 def fit_of(content: dict[str, Any], model: AbstractNetwork, curves: tuple[Curve, ...]) -> Fit:
-    """The fit, with the hard model of its hand-over file and its curves.
+    """The fit, with the hard model of its hand-over file and its curves, from content whose form is checked.
 
-    **Raises:** `ValueError` for another format, and `KeyError` or `TypeError` for what is not complete.
+    **Raises:** `ValueError` for what does not fit together.
     """
-    observation = observation_of(content)
     thresholds = content["thresholds"]
     if thresholds["kind"] != "Hard":
         kind = {"Soft": Soft, "StraightThrough": StraightThrough}[thresholds["kind"]]
         model = dataclasses.replace(model, thresholds=kind(thresholds["temperature"], Widths(**thresholds["widths"])))
     choices = {name: _choice(entry) for name, entry in content["free"].items()}
+    if len(content["z"]) != len(choices):
+        raise ValueError(f"z has {len(content['z'])} values, but {len(choices)} parameters are free")
+    written = [(entry["condition"], entry["channel"]) for entry in content["curves"]]
+    if written != [(curve.condition, curve.channel) for curve in curves]:
+        raise ValueError("curves.csv holds other curves than fit.json names; take both from one fit")
     return Fit(
         model=model,
-        observation=observation,
+        observation=Observation(**content["observation"]),
         free=Free(**choices, **{name: Tie(**tie) for name, tie in content["ties"].items()}),
         z=np.array(content["z"]),
         start={name: entry["start"] for name, entry in content["free"].items()},
@@ -114,16 +118,6 @@ def fit_of(content: dict[str, Any], model: AbstractNetwork, curves: tuple[Curve,
         result=content["result"],
         stats=content["stats"],
     )
-
-
-def observation_of(content: dict[str, Any]) -> Observation:
-    """The observation of a fit.
-
-    **Raises:** as `fit_of`.
-    """
-    if not isinstance(content, dict) or (content.get("format"), content.get("version")) != (FORMAT, VERSION):
-        raise ValueError(f"its format is not {FORMAT!r}, version {VERSION}")
-    return Observation(**content["observation"])
 
 
 def _band(curve: Curve) -> dict[str, Any]:
@@ -158,11 +152,23 @@ def _plain_uncertainty(u: Uncertainty) -> dict[str, Any]:
 
 def _uncertainty(names: tuple[str, ...], content: dict[str, Any]) -> Uncertainty:
     fields: dict[str, Any] = {"names": names}
-    for name, value in content.items():
-        if name == "confidence":
-            continue  # a constant
-        fields[name] = _array(value, math.inf if name == "standard_errors" else math.nan)
+    for field in dataclasses.fields(Uncertainty):
+        if field.name == "names":
+            continue
+        value = content[field.name]
+        if (axes := getattr(field.type, "dim_str", None)) is not None:
+            shape = [len(names) if axis == "free" else int(axis) for axis in axes.split()]
+            if not _has_shape(value, shape):
+                raise ValueError(f"uncertainty.{field.name} does not have the shape {shape} of {len(names)} parameters")
+        fields[field.name] = _array(value, math.inf if field.name == "standard_errors" else math.nan)
     return Uncertainty(**fields)
+
+
+def _has_shape(value: Any, shape: list[int]) -> bool:
+    """Whether nested lists have these lengths."""
+    if not isinstance(value, list):
+        return not shape
+    return bool(shape) and len(value) == shape[0] and all(_has_shape(part, shape[1:]) for part in value)
 
 
 def _array(value: Any, beyond: float) -> Any:

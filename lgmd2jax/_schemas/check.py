@@ -68,6 +68,8 @@ def _cure(kind: str, path: list[str | int], value: Any, context: dict[str, Any],
         return context["cure"]
     if kind == "unknown_key":
         return f"unknown key; did you mean {nearest(name, context['known'], 1)}?"
+    if kind == "float_type" and type(value) is int:
+        return "is too large for a number"
     if kind == "list_type" and isinstance(value, dict):
         return f"must be a list; write each table under [[{name}]]"
     known = context.get("known") or re.findall(r"'([^']*)'", context.get("expected", ""))
@@ -111,9 +113,9 @@ def _written_path(path: list[str | int]) -> str:
 
 
 def _shown(value: Any) -> str:
-    """A value on one line of bearable length; truth values as documents write them."""
-    if isinstance(value, bool):
-        return str(value).lower()
+    """A value on one line of bearable length, as documents write it."""
+    if value is None or isinstance(value, bool):
+        return {None: "null", True: "true", False: "false"}[value]
     short = reprlib.Repr()
     short.maxstring = short.maxother = short.maxlong = _LONGEST
     return short.repr(value)

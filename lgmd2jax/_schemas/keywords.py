@@ -6,9 +6,9 @@ import typing
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from pydantic import Field
+from pydantic import BaseModel, Field
 
-from lgmd2jax._schemas.parts import Number, Table, Text, Truth, Whole, by_key, either, is_list, names, table
+from lgmd2jax._schemas.parts import Number, Text, Truth, Whole, by_key, either, is_list, names, table
 from lgmd2jax.stimuli import BACKGROUNDS, DISTANCES
 from lgmd2jax.stimuli._keywords import keywords
 from lgmd2jax.stimuli._units import Unit, parts_of
@@ -85,5 +85,5 @@ def _holds(kinds: Mapping[str, type], part: Any) -> bool:
 
 
 @functools.cache
-def _object(name: str, kind: type, deep: Wrap) -> type[Table]:
+def _object(name: str, kind: type, deep: Wrap) -> type[BaseModel]:
     return table(kind.__name__, {"kind": (names([name]), ...)} | fields_of(kind, deep, deep))

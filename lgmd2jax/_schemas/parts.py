@@ -56,10 +56,16 @@ class Table(BaseModel):
         return content
 
 
-def table(name: str, fields: Mapping[str, Any]) -> type[Table]:
+class OpenTable(BaseModel):
+    """A table of a document, which may have other keys than these fields."""
+
+    model_config = ConfigDict(extra="allow", protected_namespaces=())
+
+
+def table(name: str, fields: Mapping[str, Any], base: type[BaseModel] = Table) -> type[BaseModel]:
     """A table, by the type of each key; what is a pair of type and `...` must be given."""
     optional: dict[str, Any] = {key: kind if isinstance(kind, tuple) else (kind, None) for key, kind in fields.items()}
-    return create_model(name, __base__=Table, **optional)
+    return create_model(name, __base__=base, **optional)
 
 
 def inside(domain: str) -> Any:
@@ -119,6 +125,11 @@ def by_key(key: str, branches: Mapping[str, Any], default: str | None = None) ->
 def several(kind: Any) -> Any:
     """A value, or a list of some as an axis of a grid."""
     return either(is_list, {"value": kind, "list": Annotated[list[kind], Field(min_length=1, max_length=MOST_VALUES)]})
+
+
+def is_null(content: Any) -> str:
+    """The branch of `either` for null, or for a value."""
+    return "null" if content is None else "value"
 
 
 def is_list(content: Any) -> str:

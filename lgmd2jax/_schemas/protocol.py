@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, TypeAdapter
+from pydantic import BaseModel, Field, TypeAdapter
 
 from lgmd2jax._channels import TARGETS
 from lgmd2jax._network.abstract import parameters_of
@@ -16,7 +16,6 @@ from lgmd2jax._schemas.parts import (
     OpenEnd,
     Positive,
     Seed,
-    Table,
     Text,
     by_key,
     either,
@@ -44,7 +43,7 @@ _WEIGHTING = {
 }
 
 
-def _law(name: str, law: type) -> type[Table]:
+def _law(name: str, law: type) -> type[BaseModel]:
     fields = {"law": (names([name]), ...)} | fields_of(law) | _WEIGHTING
     if law is Band:
         edge = either(is_list, {"value": OpenEnd, "list": list[OpenEnd]})
@@ -86,7 +85,7 @@ def _target() -> Any:
 TARGET = _target()
 
 
-def _conditions() -> dict[str, type[Table]]:
+def _conditions() -> dict[str, type[BaseModel]]:
     """The form of a condition of each family, and of one in which the family is an axis."""
     common = {
         "name": (several(Text), ...),
@@ -94,14 +93,16 @@ def _conditions() -> dict[str, type[Table]]:
         "camera": several(table("Camera", {"seed": several(Seed)} | fields_of(camera, several, several))),
         "target": list[TARGET],
     }
-    forms: dict[str, type[Table]] = {}
+    forms: dict[str, type[BaseModel]] = {}
     every: dict[str, Any] = {}
     for name, renderer in FAMILIES.items():
         own = fields_of(renderer, several, several)
         forms[name] = table(f"{name}_condition", {"family": (names([name]), ...)} | common | own)
         every |= own
     # Which keys all its families take is told when the grid is expanded.
-    forms["several"] = table("condition", {"family": (several(names(FAMILIES)), ...)} | common | every)
+    forms["several"] = table(
+        "condition", {"family": (Annotated[list[names(FAMILIES)], Field(min_length=1)], ...)} | common | every
+    )
     return forms
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, TypeAdapter
+from pydantic import BaseModel, Field, TypeAdapter
 
 from lgmd2jax._channels import RESPONSE
 from lgmd2jax._network.abstract import AbstractNetwork, parameters_of
@@ -18,7 +18,6 @@ from lgmd2jax._schemas.parts import (
     Number,
     Positive,
     Seed,
-    Table,
     Text,
     Truth,
     by_key,
@@ -32,6 +31,7 @@ from lgmd2jax._sweep.responses import SUMMARIES
 from lgmd2jax._targets.observation import observation_symbols
 from lgmd2jax.stimuli import FAMILIES
 
+DEFAULT_FAMILY = "looming"
 AtLeastOne = Annotated[Count, Field(ge=1)]
 Temperatures = Annotated[list[Positive], Field(min_length=1)]
 
@@ -55,7 +55,7 @@ _CHOICE = table("Choice", {"properties": Truth})
 _WEIGHTS = table("Weights", {"miss": NotNegative, "false_alarm": NotNegative})
 
 
-def _fit(network: type[AbstractNetwork]) -> type[Table]:
+def _fit(network: type[AbstractNetwork]) -> type[BaseModel]:
     name = network.__name__
     known = symbols(parameters_of(network)) | observation_symbols()
     fields = {
@@ -112,13 +112,13 @@ def _axis(kind: Any) -> Any:
     return either(chosen, {"value": Number, "axis": some, "range": _RANGE})
 
 
-def _sweep(name: str, renderer: Any) -> type[Table]:
+def _sweep(name: str, renderer: Any) -> type[BaseModel]:
     every = [symbol for network in NETWORKS.values() for symbol in symbols(parameters_of(network))]
     fields = {
         "kind": (Literal["sweep"], ...),
         "model": several(Text),
         "eye": (eye(), ...),
-        "family": names([name]),
+        "family": (names([name]), None if name == DEFAULT_FAMILY else ...),
         "stimulus": table(f"{name}_arguments", fields_of(renderer, _axis)),
         "parameters": table("Parameters", dict.fromkeys(every, _axis(Number))),
         "channels": list[names(RESPONSE)],
@@ -129,5 +129,5 @@ def _sweep(name: str, renderer: Any) -> type[Table]:
 
 FIT = by_key("network", {name: _fit(network) for name, network in NETWORKS.items()}, LGMD2.__name__)
 ALARMS = table("Alarms", _ALARMS)
-SWEEP = by_key("family", {name: _sweep(name, renderer) for name, renderer in FAMILIES.items()}, "looming")
+SWEEP = by_key("family", {name: _sweep(name, renderer) for name, renderer in FAMILIES.items()}, DEFAULT_FAMILY)
 RECIPE = TypeAdapter(by_key("kind", {"fit": FIT, "alarms": ALARMS, "sweep": SWEEP}, "fit"))

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import BaseModel, Field
 
 from lgmd2jax._eye import PRESETS, PROJECTIONS
 from lgmd2jax._network.abstract import AbstractNetwork, parameters_of
@@ -17,7 +17,6 @@ from lgmd2jax._schemas.parts import (
     Positive,
     Seed,
     Side,
-    Table,
     Text,
     Whole,
     either,
@@ -30,7 +29,7 @@ from lgmd2jax._targets.observation import observation_symbols
 FRAME_RATE = Annotated[Positive, Field(le=1e6)]
 
 
-def eye(wrap: Wrap = alone) -> type[Table]:
+def eye(wrap: Wrap = alone) -> type[BaseModel]:
     """The fields of `Eye`, or a preset and what differs from it."""
     fields = {
         "preset": names(PRESETS),
@@ -43,17 +42,17 @@ def eye(wrap: Wrap = alone) -> type[Table]:
     return table("Eye", {name: wrap(kind) for name, kind in fields.items()})
 
 
-def parameters(kind: type[AbstractNetwork]) -> type[Table]:
+def parameters(kind: type[AbstractNetwork]) -> type[BaseModel]:
     """Values of parameters by the paper's symbols, each in its domain."""
     return _of_symbols(f"{kind.__name__}_parameters", symbols(parameters_of(kind)))
 
 
-def observation() -> type[Table]:
+def observation() -> type[BaseModel]:
     """Values of the parameters of an `Observation`."""
     return _of_symbols("Observation", observation_symbols())
 
 
-def _of_symbols(name: str, known: Mapping[str, Symbol]) -> type[Table]:
+def _of_symbols(name: str, known: Mapping[str, Symbol]) -> type[BaseModel]:
     return table(name, {key: (inside(symbol.domain), described(symbol)) for key, symbol in known.items()})
 
 
@@ -63,7 +62,7 @@ def described(symbol: Symbol, default: Any = None) -> Any:
     return Field(default, description=f"{symbol.meaning}{unit}")
 
 
-def structure(kind: type[AbstractNetwork]) -> type[Table]:
+def structure(kind: type[AbstractNetwork]) -> type[BaseModel]:
     """What is compiled into a network."""
     return table(
         f"{kind.__name__}_structure", {name: structure_kind(field) for name, field in structure_fields(kind).items()}
@@ -84,7 +83,7 @@ _BOUNDS = table("Bounds", {"low": Number, "high": Number, "scale": Literal["line
 _TIE = table("Tie", {"tie": (Text, ...), "factor": Number})
 
 
-def free(kind: type[AbstractNetwork]) -> type[Table]:
+def free(kind: type[AbstractNetwork]) -> type[BaseModel]:
     """What a fit may change: for each parameter where it may lie, or which one it follows."""
     choice = either(_is_tie, {"bounds": _BOUNDS, "tie": _TIE})
     known = symbols(parameters_of(kind)) | observation_symbols()

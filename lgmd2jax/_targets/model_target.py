@@ -6,12 +6,12 @@ import zlib
 
 import jax
 import numpy as np
-from jaxtyping import Array, PRNGKeyArray, UInt32
 
 from lgmd2jax._channels import Channel
 from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._targets.observation import Observation
 from lgmd2jax._targets.target import Target, check_channel
+from lgmd2jax._types import Key, check_key
 from lgmd2jax.stimuli import Stimulus
 
 
@@ -36,7 +36,7 @@ class ModelTarget:
     channel: Channel = "smp_adapted"
     observation: Observation | None = None
     noise: float | int = 0.0
-    key: PRNGKeyArray | UInt32[Array, "2"] | None = None
+    key: Key | None = None
 
     def __post_init__(self):
         check_channel(self.channel)
@@ -45,6 +45,8 @@ class ModelTarget:
             raise ValueError(f"channel is {self.channel!r}, which {wanted}")
         if not (math.isfinite(self.noise) and self.noise >= 0):
             raise ValueError(f"noise is {self.noise}; give 0 or more")
+        if self.key is not None:
+            check_key(self.key)
         if self.noise and self.key is None:
             raise ValueError(f"noise is {self.noise:g} without a key; give key=jax.random.key(0)")
 

@@ -14,6 +14,7 @@ from lgmd2jax._compute.tasks import Result, Work
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._network.thresholds import Hard
 from lgmd2jax._targets.observation import Observation
+from lgmd2jax._types import check_key
 from lgmd2jax.alarms._clip import LabelledClip
 from lgmd2jax.alarms._evaluation import evaluate
 from lgmd2jax.alarms._problem import AlarmProblem, problem_of
@@ -77,6 +78,7 @@ def fit(
     **Raises:** `ValueError` for no clips, for clips in which no alarm is wanted, for a start outside of its bounds, for
     the memory of another fit, and for numbers that make no sense.
     """
+    check_key(key)
     _check(model, clips, {"miss": miss, "false_alarm": false_alarm})
     check_counts({"pixel_points": pixel_points, "cell_points": cell_points, "max_steps": max_steps}, at_least=1)
     check_counts({"generations": generations, "descend": descend}, at_least=0)

@@ -137,6 +137,8 @@ def _explanation(error: BaseException) -> tuple[str, int]:
     """What is said of an error, and the exit status."""
     if isinstance(error, KeyboardInterrupt):
         return _STOPPED, 130
+    if isinstance(error, OSError) and error.strerror:
+        return f"{error.filename}: {error.strerror}" if error.filename else error.strerror, 1
     if isinstance(error, OSError) or is_refusal(error):
         return str(error), 1
     return f"internal error, {type(error).__name__}: {error}; please report it, with what --traceback shows", 70

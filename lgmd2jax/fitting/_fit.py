@@ -20,6 +20,7 @@ from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.noise import inhibition_in_noise
 from lgmd2jax._network.thresholds import Hard, Soft, StraightThrough
 from lgmd2jax._targets.observation import Observation, observation_symbols
+from lgmd2jax._types import check_key
 from lgmd2jax._words import nearest
 from lgmd2jax.fitting._conditions import AnyCondition, Rendered, render
 from lgmd2jax.fitting._curve import Curve, curve_of, rest_of
@@ -102,6 +103,7 @@ def fit(
     than independent samples, for a prior beside targets without errors, for the memory of another fit, and for settings
     that make no sense.
     """
+    check_key(key)
     pairs, observation, free = render(conditions), observation or Observation(), free.of(type(model.parameters))
     free.check_used_by(model)
     temperatures = _temperatures(model, temperatures)

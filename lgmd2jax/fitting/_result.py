@@ -17,6 +17,7 @@ from lgmd2jax._protocol.condition import Condition
 from lgmd2jax._reports.section import Section, as_html, as_text, unfinished_section
 from lgmd2jax._targets.observation import Observation, observation_symbols
 from lgmd2jax._targets.target import Target
+from lgmd2jax._types import check_key
 from lgmd2jax._words import warn_renamed
 from lgmd2jax.fitting import _report
 from lgmd2jax.fitting._curve import DISAGREEMENT, Curve, predict
@@ -139,6 +140,7 @@ class Fit:
 
         **Raises:** `ValueError` for a fit that was read from a folder, and without the extra.
         """
+        check_key(key)
         residuals = self._residuals("sample")
         return draw_posterior(
             residuals,

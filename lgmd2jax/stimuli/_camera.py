@@ -6,8 +6,9 @@ import functools
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, PRNGKeyArray, UInt32
+from jaxtyping import Array, Float
 
+from lgmd2jax._types import Key, check_key
 from lgmd2jax.stimuli._arguments import number
 from lgmd2jax.stimuli._stimulus import Stimulus
 from lgmd2jax.stimuli._units import GreyLevelDeviation, Hertz, Pixels, ShareOfLight
@@ -17,7 +18,7 @@ _SHARP = 1e-3  # pixels; a blur below it is none
 
 def camera(
     stimulus: Stimulus,
-    key: PRNGKeyArray | UInt32[Array, "2"],
+    key: Key,
     *,
     noise: GreyLevelDeviation = 2.0,
     flicker: ShareOfLight = 0.0,
@@ -38,6 +39,7 @@ def camera(
 
     **Raises:** `ValueError` for negative strengths, and for bits outside of 1..16.
     """
+    check_key(key)
     if bits is not None and not (isinstance(bits, int) and 1 <= bits <= 16):
         raise ValueError(f"bits is {bits!r}; give a whole number in 1..16, or None")
     noise = number("noise", noise, GreyLevelDeviation, 0)

@@ -8,17 +8,16 @@ from collections.abc import Iterator
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, Int, PRNGKeyArray, UInt32
+from jaxtyping import Float, Int
 from typing_extensions import deprecated
 
 from lgmd2jax._eye import Eye
+from lgmd2jax._types import Key, check_key
 from lgmd2jax.stimuli._arguments import one_of, positive
 from lgmd2jax.stimuli._camera import camera
 from lgmd2jax.stimuli._encounter_kinds import KINDS, Scenario
 from lgmd2jax.stimuli._stimulus import Stimulus
 from lgmd2jax.stimuli._units import Milliseconds
-
-Key = PRNGKeyArray | UInt32[Array, "2"]
 
 ENCOUNTERS = tuple(KINDS)
 _SILENT = tuple(kind for kind in ENCOUNTERS if kind != "collision")
@@ -134,6 +133,7 @@ def _order(chance: np.random.Generator) -> Iterator[str]:
 
 
 def _chance(key: Key) -> np.random.Generator:
+    check_key(key)
     return np.random.default_rng(np.asarray(jax.random.key_data(key)))
 
 

@@ -12,6 +12,7 @@ from jaxtyping import Array, Float, ScalarLike
 from lgmd2jax._eye import Eye
 from lgmd2jax._types import Times, is_concrete
 
+MOST = 1000 * 2**29  # pixels of a clip, times ms in a second: 4 GiB in double precision
 LEAD_MS = 500.0  # of rest before the first motion, and after the last
 
 Frames = Float[Array, "time row col"]
@@ -60,6 +61,11 @@ def frame_times(
             raise ValueError(f"{name} is {limit!r}; give a plain number of ms")
         limits.append(float(np.asarray(event)) + lead if limit is None else limit)
     start, stop = limits
+    if not (math.isfinite(start) and math.isfinite(stop) and (stop - start) * eye.fps * eye.rows * eye.cols < MOST):
+        raise ValueError(
+            f"start_ms {start:g} to end_ms {stop:g} at {eye.fps:g} fps makes more frames of {eye.rows} x {eye.cols} "
+            "than memory holds; narrow the window, or take a coarser eye"
+        )
     first = math.ceil(start * eye.fps / 1000 - 1e-6)
     last = math.floor(stop * eye.fps / 1000 + 1e-6)
     if last - first < 1:

@@ -65,3 +65,27 @@ def test_a_mutated_file_is_taken_or_refused_in_a_sentence(others, tmp_path, load
     assert "" in said
     assert len(said) > 30
     assert all(str(path) in sentence and "\n" not in sentence for sentence in said - {""})
+
+
+@pytest.mark.usefixtures("untyped")
+def test_the_robot_and_the_library_refuse_the_same_files(others, tmp_path):
+    document, path = json.loads((others / "rich.json").read_text()), tmp_path / "model.json"
+    verdicts = set()
+
+    def takes(load):
+        try:
+            load(path)
+        except (ValueError, OSError):
+            return False
+        return True
+
+    @hypothesis.settings(max_examples=300, deadline=None, derandomize=True, database=None)
+    @hypothesis.given(st.data())
+    def attempt(data):
+        path.write_text(json.dumps(mutated(data, document)))
+        verdict = takes(lgmd.load)
+        assert takes(hard.load) == verdict
+        verdicts.add(verdict)
+
+    attempt()
+    assert verdicts == {True, False}

@@ -15,7 +15,7 @@ import lgmd2jax as lgmd
 from lgmd2jax import hard
 from tests.handover.conftest import EYE, FRAMES, LGMD1, MODEL, RICH
 
-SCHEMA = json.loads(pathlib.Path(hard.__file__).with_name("model.schema.json").read_text())
+SCHEMA = json.loads((pathlib.Path(hard.__file__).parent / "schemas" / "model.json").read_text())
 VERSION_1 = pathlib.Path(__file__).parents[1] / "golden" / "model_v1.json"
 
 
@@ -73,8 +73,9 @@ def test_schema_and_numpy_model_know_the_same_parameters():
     for mechanism, domains in hard.MECHANISMS.items():
         own = {name: symbol.domain for name, symbol in symbols.items() if symbol.mechanism == mechanism}
         assert own == domains
-    tables = definitions["LGMD2_mechanisms"]["properties"]
-    assert list(tables) == list(hard.MECHANISMS)
+    references = definitions["LGMD2_mechanisms"]["properties"]
+    assert list(references) == list(hard.MECHANISMS)
+    tables = {name: definitions[reference["$ref"].removeprefix("#/$defs/")] for name, reference in references.items()}
     for declared, domains in [
         (definitions["LGMD2_parameters"], hard.DOMAINS),
         *((tables[name], domains) for name, domains in hard.MECHANISMS.items()),
@@ -153,72 +154,235 @@ def test_a_calibration_may_stand_in_it(path):
 
 
 @pytest.mark.parametrize(
-    ("change", "message"),
+    ("change", "message", "library"),
     [
-        (lambda content: content.update(version=99), "version is 99"),
-        (lambda content: content.update(format="other"), "format is not"),
-        (lambda content: content.pop("structure"), "structure is missing"),
-        (lambda content: content["parameters"].pop("tau1"), "tau1 is missing"),
-        (lambda content: content["parameters"].update(tau1=float("nan")), "tau1 is nan"),
-        (lambda content: content["parameters"].update(tau1="30"), "tau1 is '30'"),
-        (lambda content: content["parameters"].update(k=0), "k is 0; it must lie in"),
-        (lambda content: content["parameters"].update(theta4=1), "theta4 is unknown"),
-        (lambda content: content["parameters"].update(T_p=20), "T_p belongs to a mechanism; give it there"),
-        (lambda content: content["parameters"].update(k=10**400), "parameter k is 1000"),
-        (lambda content: content.update(parameters=[1, 2]), r"parameters is \[1, 2\]; give values by name"),
-        (lambda content: content.update(mechanisms={"sise": {}}), "mechanism sise is unknown; there are size, shunt"),
-        (lambda content: content.update(mechanisms={"lag": 3}), "mechanism lag is 3; give values by name"),
-        (lambda content: content.update(mechanisms={"lag": {}}), r"mechanism lag is \{\}; give lag"),
-        (lambda content: content.update(mechanisms={"lag": {"lag": 81}}), r"lag is 81; it must lie in \[0, 80\]"),
-        (lambda content: content.update(mechanisms={"lag": {"lag": 9, "m": 1}}), "mechanism lag is .*; give lag"),
+        (
+            lambda content: content.update(version=99),
+            "version is 99",
+            "version = 99: this program reads 1 and 2; update it",
+        ),
+        (lambda content: content.update(format="other"), "format is not", "format = 'other': choose 'lgmd2jax-model'"),
+        (lambda content: content.pop("structure"), "structure is missing", "structure is missing"),
+        (lambda content: content["parameters"].pop("tau1"), "tau1 is missing", r"parameters\.tau1 is missing"),
+        (
+            lambda content: content["parameters"].update(tau1=float("nan")),
+            "tau1 is nan",
+            r"parameters\.tau1 = nan: must be a finite number",
+        ),
+        (
+            lambda content: content["parameters"].update(tau1="30"),
+            "tau1 is '30'",
+            r"parameters\.tau1 = '30': must be a number",
+        ),
+        (
+            lambda content: content["parameters"].update(k=0),
+            "k is 0; it must lie in",
+            r"parameters\.k = 0: must be above 0",
+        ),
+        (
+            lambda content: content["parameters"].update(theta4=1),
+            "theta4 is unknown",
+            r"parameters\.theta4 = 1: unknown key",
+        ),
+        (
+            lambda content: content["parameters"].update(T_p=20),
+            "T_p belongs to a mechanism; give it there",
+            r"parameters\.T_p = 20: unknown key",
+        ),
+        (lambda content: content["parameters"].update(k=10**400), "parameter k is 1000", r"parameters\.k = 1"),
+        (
+            lambda content: content.update(parameters=[1, 2]),
+            r"parameters is \[1, 2\]; give values by name",
+            r"parameters = \[1, 2\]: must be a table",
+        ),
+        (
+            lambda content: content.update(mechanisms={"sise": {}}),
+            "mechanism sise is unknown; there are size, shunt",
+            r"mechanisms\.sise = \{\}: unknown key",
+        ),
+        (
+            lambda content: content.update(mechanisms={"lag": 3}),
+            "mechanism lag is 3; give lag",
+            r"mechanisms\.lag = 3: must be a table",
+        ),
+        (
+            lambda content: content.update(mechanisms={"lag": {}}),
+            r"mechanism lag is \{\}; give lag",
+            r"mechanisms\.lag\.lag is missing",
+        ),
+        (
+            lambda content: content.update(mechanisms={"lag": {"lag": 81}}),
+            r"lag is 81; it must lie in \[0, 80\]",
+            r"mechanisms\.lag\.lag = 81: must be 80 or less",
+        ),
+        (
+            lambda content: content.update(mechanisms={"lag": {"lag": 9, "m": 1}}),
+            "mechanism lag is .*; give lag",
+            r"mechanisms\.lag\.m = 1: unknown key",
+        ),
         (
             lambda content: content.update(mechanisms={"membrane": {"tau_cell": 20}}),
             "mechanisms has a membrane without the shunt",
+            "mechanisms has a membrane without the shunt",
         ),
-        (lambda content: content.update(mechanisms=["lag"]), r"mechanisms is \['lag'\]; give"),
-        (lambda content: content.update(calibration=3), "calibration is 3; give values by name"),
-        (lambda content: content.update(provenance=3), "provenance is 3; give values by name"),
-        (lambda content: content.update(network=3), "its network is 3; give the name of one"),
-        (lambda content: content.update(network="Mine"), "its network is 'Mine'; (this program|for one of your own)"),
-        (lambda content: content.update(remark="mine"), "remark is unknown; there are format, version, network"),
-        (lambda content: content["structure"].update(n_p=10**30), "n_p is 1000.*; give a whole number of frames, 0 to"),
-        (lambda content: content["structure"].update(N_ts=10**12), "N_ts is 1000.*; give a whole number of frames"),
-        (lambda content: content["structure"].update(N_ts=True), "N_ts is True"),
-        (lambda content: content["eye"].update(fps=10**400), "fps is 1000"),
-        (lambda content: content["test_vector"]["frames"][3][2].__setitem__(0, 10**30), "grey levels 0..255"),
-        (lambda content: content["test_vector"]["response"]["mp"].__setitem__(0, 10**400), "mp in the response"),
-        (lambda content: content["structure"].update(n_p=-1), "n_p is -1"),
-        (lambda content: content["structure"].update(low_pass="none"), "low_pass is 'none'"),
-        (lambda content: content["eye"].update(fps=0), "fps is 0"),
-        (lambda content: content["eye"].update(rows=2), "rows is 2"),
-        (lambda content: content["eye"].update(degrees_per_pixel=float("inf")), "degrees_per_pixel is inf"),
-        (lambda content: content["eye"].update(projection="flat"), "projection is 'flat'"),
-        (lambda content: content["eye"].pop("fps"), "eye is .*; give rows, cols, degrees_per_pixel, fps"),
+        (
+            lambda content: content.update(mechanisms=["lag"]),
+            r"mechanisms is \['lag'\]; give",
+            r"mechanisms = \['lag'\]: must be a table",
+        ),
+        (
+            lambda content: content.update(calibration=3),
+            "calibration is 3; give values by name",
+            "calibration = 3: must be a table",
+        ),
+        (
+            lambda content: content.update(provenance=3),
+            "provenance is 3; give values by name",
+            "provenance = 3: must be a table",
+        ),
+        (
+            lambda content: content.update(network=3),
+            "its network is 3; this program runs",
+            "network = 3: must be a text",
+        ),
+        (
+            lambda content: content.update(network="Mine"),
+            "its network is 'Mine'; (this program|for one of your own)",
+            r"its network is 'Mine'; for one of your own give its class: load\(path, ",
+        ),
+        (
+            lambda content: content.update(remark="mine"),
+            "remark is unknown; there are format, version, network",
+            "remark = 'mine': unknown key",
+        ),
+        (
+            lambda content: content["structure"].update(n_p=10**30),
+            "n_p is 1000.*; give a whole number of frames, 0 to",
+            r"structure\.n_p = 1",
+        ),
+        (
+            lambda content: content["structure"].update(N_ts=10**12),
+            "N_ts is 1000.*; give a whole number of frames",
+            r"structure\.N_ts = 1",
+        ),
+        (
+            lambda content: content["structure"].update(N_ts=True),
+            "N_ts is True",
+            r"structure\.N_ts = true: must be a whole number",
+        ),
+        (lambda content: content["eye"].update(fps=10**400), "fps is 1000", r"eye\.fps = 1"),
+        (
+            lambda content: content["test_vector"]["frames"][3][2].__setitem__(0, 10**30),
+            "grey levels 0..255",
+            r"test_vector\.frames\[3\]\[2\]\[0\] = 1",
+        ),
+        (
+            lambda content: content["test_vector"]["response"]["mp"].__setitem__(0, 10**400),
+            "mp in the response",
+            r"test_vector\.response\.mp\[0\] = 1",
+        ),
+        (lambda content: content["structure"].update(n_p=-1), "n_p is -1", r"structure\.n_p = -1: must be 0 or more"),
+        (
+            lambda content: content["structure"].update(low_pass="none"),
+            "low_pass is 'none'",
+            r"structure\.low_pass = 'none': choose 'exact' or 'backward_euler'",
+        ),
+        (lambda content: content["eye"].update(fps=0), "fps is 0", r"eye\.fps = 0: must be above 0"),
+        (lambda content: content["eye"].update(rows=2), "rows is 2", r"eye\.rows = 2: must be 3 or more"),
+        (
+            lambda content: content["eye"].update(degrees_per_pixel=float("inf")),
+            "degrees_per_pixel is inf",
+            r"eye\.degrees_per_pixel = inf: must be a finite number",
+        ),
+        (
+            lambda content: content["eye"].update(projection="flat"),
+            "projection is 'flat'",
+            r"eye\.projection = 'flat': choose 'equidistant' or 'pinhole'",
+        ),
+        (
+            lambda content: content["eye"].pop("fps"),
+            "eye is .*; give rows, cols, degrees_per_pixel, fps",
+            r"eye\.fps is missing",
+        ),
         (
             lambda content: (content["structure"].update(n_p=2), content["parameters"].update(u=-5)),
             "u is -5 with n_p = 2: the persistence",
+            "u is -5 with n_p = 2: the persistence is not stable; raise u or lower ",
         ),
-        (lambda content: content.pop("provenance"), "provenance is missing"),
-        (lambda content: content.pop("test_vector"), "test_vector is missing"),
-        (lambda content: content["test_vector"].pop("frames"), "test_vector does not hold fps, tolerance, frames"),
-        (lambda content: content["test_vector"].update(fps=25), "the fps of test_vector is 25"),
-        (lambda content: content["test_vector"].update(tolerance=1), "the tolerance of test_vector is 1"),
-        (lambda content: content["test_vector"].update(tolerance=float("nan")), "the tolerance of test_vector is nan"),
-        (lambda content: content["test_vector"]["frames"][3][2].pop(), "the frames of test_vector are not whole"),
-        (lambda content: content["test_vector"]["frames"][3][2].__setitem__(0, 256), "grey levels 0..255"),
-        (lambda content: content["test_vector"]["frames"][3][2].__setitem__(0, 1.5), "grey levels 0..255"),
-        (lambda content: content["test_vector"]["frames"][3][2].__setitem__(0, None), "grey levels 0..255"),
-        (lambda content: content["test_vector"]["response"].pop("mp"), "the response of test_vector does not hold mp"),
-        (lambda content: content["test_vector"]["response"]["mp"].pop(), "mp in the response of test_vector"),
-        (lambda content: content["test_vector"]["response"]["ffi"].__setitem__(0, float("nan")), "ffi in the response"),
-        (lambda content: content["test_vector"]["response"]["spikes"].__setitem__(0, "0"), "spikes in the response"),
-        (lambda content: content["test_vector"]["response"]["collision"].__setitem__(0, 0.5), "collision in the resp"),
+        (lambda content: content.pop("provenance"), "provenance is missing", "provenance is missing"),
+        (lambda content: content.pop("test_vector"), "test_vector is missing", "test_vector is missing"),
+        (
+            lambda content: content["test_vector"].pop("frames"),
+            "test_vector does not hold fps, tolerance, frames",
+            r"test_vector\.frames is missing",
+        ),
+        (
+            lambda content: content["test_vector"].update(fps=25),
+            "the fps of test_vector is 25",
+            "the fps of test_vector is 25; it must be positive, and that of the eye",
+        ),
+        (
+            lambda content: content["test_vector"].update(tolerance=1),
+            "the tolerance of test_vector is 1",
+            r"test_vector\.tolerance = 1: must be 0\.001 or less",
+        ),
+        (
+            lambda content: content["test_vector"].update(tolerance=float("nan")),
+            "the tolerance of test_vector is nan",
+            r"test_vector\.tolerance = nan: must be a finite number",
+        ),
+        (
+            lambda content: content["test_vector"]["frames"][3][2].pop(),
+            "the frames of test_vector are not whole",
+            r"the frames of test_vector are not whole grey levels 0\.\.255 of \(time, r",
+        ),
+        (
+            lambda content: content["test_vector"]["frames"][3][2].__setitem__(0, 256),
+            "grey levels 0..255",
+            r"test_vector\.frames\[3\]\[2\]\[0\] = 256: must be 255 or less",
+        ),
+        (
+            lambda content: content["test_vector"]["frames"][3][2].__setitem__(0, 1.5),
+            "grey levels 0..255",
+            r"test_vector\.frames\[3\]\[2\]\[0\] = 1\.5: must be a whole number",
+        ),
+        (
+            lambda content: content["test_vector"]["frames"][3][2].__setitem__(0, None),
+            "grey levels 0..255",
+            r"test_vector\.frames\[3\]\[2\]\[0\] = null: must be a whole number",
+        ),
+        (
+            lambda content: content["test_vector"]["response"].pop("mp"),
+            "the response of test_vector does not hold mp",
+            r"test_vector\.response\.mp is missing",
+        ),
+        (
+            lambda content: content["test_vector"]["response"]["mp"].pop(),
+            "mp in the response of test_vector",
+            "mp in the response of test_vector is not a finite value for each frame",
+        ),
+        (
+            lambda content: content["test_vector"]["response"]["ffi"].__setitem__(0, float("nan")),
+            "ffi in the response",
+            r"test_vector\.response\.ffi\[0\] = nan: must be a finite number",
+        ),
+        (
+            lambda content: content["test_vector"]["response"]["spikes"].__setitem__(0, "0"),
+            "spikes in the response",
+            r"test_vector\.response\.spikes\[0\] = '0': must be a whole number",
+        ),
+        (
+            lambda content: content["test_vector"]["response"]["collision"].__setitem__(0, 0.5),
+            "collision in the resp",
+            r"test_vector\.response\.collision\[0\] = 0\.5: must be true or false",
+        ),
     ],
 )
 @pytest.mark.parametrize("load", [lgmd.load, hard.load])
-def test_a_file_that_is_not_in_order_is_refused(path, load, change, message):
+def test_a_file_that_is_not_in_order_is_refused(path, load, change, message, library):
+    """The robot's program says so in words of its own, the library by the schema."""
     changed(path, change)
-    with pytest.raises(ValueError, match=message) as error:
+    with pytest.raises(ValueError, match=library if load is lgmd.load else message) as error:
         load(path)
     assert str(path) in str(error.value)
     assert "\n" not in str(error.value)
@@ -227,18 +391,18 @@ def test_a_file_that_is_not_in_order_is_refused(path, load, change, message):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda content: content["parameters"].pop("T_de"), "parameter T_de is missing"),
-        (lambda content: content["parameters"].update(T_d=3), "parameter T_d is unknown; choose 'T_de'"),
-        (lambda content: content["parameters"].update(T_de="3"), "parameter T_de is '3'"),
-        (lambda content: content["parameters"].update(T_de=10**400), "parameter T_de is 1000"),
-        (lambda content: content["parameters"].update(T_de=True), "parameter T_de is True"),
-        (lambda content: content["parameters"].update(T_de=-1.0), "T_de is -1"),
+        (lambda content: content["parameters"].pop("T_de"), r"parameters\.T_de is missing"),
+        (lambda content: content["parameters"].update(T_d=3), r"parameters\.T_d = 3: unknown key; did you mean 'T_de'"),
+        (lambda content: content["parameters"].update(T_de="3"), r"parameters\.T_de = '3': must be a number"),
+        (lambda content: content["parameters"].update(T_de=10**400), r"parameters\.T_de = 10+\.\.\.0+: is too large"),
+        (lambda content: content["parameters"].update(T_de=True), r"parameters\.T_de = true: must be a number"),
+        (lambda content: content["parameters"].update(T_de=-1.0), r"parameters\.T_de = -1"),
         (lambda content: content["parameters"].update(T_de=7.0), "its test vector does not come out"),
-        (lambda content: content["structure"].update(N_sp=0), "N_sp is 0"),
-        (lambda content: content["structure"].update(N_sp=10**12), "N_sp is 1000"),
-        (lambda content: content["structure"].update(N_ts=3), "N_ts"),
-        (lambda content: content.update(mechanisms={"size": {}}), "mechanism size is unknown; a YueRindLGMD1 has none"),
-        (lambda content: content.update(mechanisms=3), "mechanisms is 3"),
+        (lambda content: content["structure"].update(N_sp=0), r"structure\.N_sp = 0: must be 1 or more"),
+        (lambda content: content["structure"].update(N_sp=10**12), r"structure\.N_sp = 10+: must be 10000 or less"),
+        (lambda content: content["structure"].update(N_ts=3), r"structure\.N_ts = 3: unknown key"),
+        (lambda content: content.update(mechanisms={"size": {}}), "mechanisms = .*: must hold 0 or fewer"),
+        (lambda content: content.update(mechanisms=3), "mechanisms = 3: must be a table"),
     ],
 )
 def test_a_file_of_the_other_network_that_is_not_in_order_is_refused(others, tmp_path, untyped, change, message):
@@ -253,7 +417,7 @@ def test_a_file_of_the_other_network_that_is_not_in_order_is_refused(others, tmp
 @pytest.mark.parametrize("load", [lgmd.load, hard.load])
 def test_what_is_not_a_hand_over_file_is_refused(tmp_path, load, content):
     (tmp_path / "model.json").write_text(content)
-    with pytest.raises(ValueError, match="not a hand-over file"):
+    with pytest.raises(ValueError, match=r"not a (hand-over|JSON) file|: document = "):
         load(tmp_path / "model.json")
     with pytest.raises(OSError, match="nowhere"):
         load(tmp_path / "nowhere.json")

@@ -32,6 +32,18 @@ def test_integers_are_cast_before_they_are_subtracted():
     np.testing.assert_array_equal(model(frames.astype(np.uint8), 30.0).smp, model(frames, 30.0).smp)
 
 
+def test_the_model_itself_may_be_jitted():
+    """A model hashes by value, as it is equal by value: to jit an equal one compiles nothing."""
+    model = lgmd.LGMD2()
+    jitted = jax.jit(model)
+    np.testing.assert_array_equal(jitted(FRAMES, 30.0).smp, model(FRAMES, 30.0).smp)
+    assert hash(lgmd.LGMD2()) == hash(model)
+    assert hash(lgmd.LGMD2(lgmd.Parameters(k=0.3))) != hash(model)
+    assert hash(lgmd.LGMD2(N_ts=3)) != hash(model)
+    changed = lgmd.LGMD2(lgmd.Parameters(k=0.3))
+    np.testing.assert_array_equal(jax.jit(changed)(FRAMES, 30.0).smp, changed(FRAMES, 30.0).smp)
+
+
 def test_compiles_once_for_a_shape():
     traces = []
 
@@ -93,6 +105,15 @@ def test_the_eye_gives_the_frame_rate():
     np.testing.assert_array_equal(lgmd.LGMD2(eye=eye)(FRAMES).smp, lgmd.LGMD2()(FRAMES, 50.0).smp)
     with pytest.warns(UserWarning, match="belong to 50 frames per second, not 30"):
         lgmd.LGMD2(eye=eye)(FRAMES, 30.0)
+
+
+def test_another_frame_rate_is_warned_of_from_a_hundredth_on():
+    model = lgmd.LGMD2(eye=lgmd.Eye(rows=7, cols=9, degrees_per_pixel=2.0, fps=50.0))
+    model(FRAMES, 50.4)
+    model(FRAMES, 49.6)
+    for fps in (50.6, 49.4):
+        with pytest.warns(UserWarning, match=f"belong to 50 frames per second, not {fps}"):
+            model(FRAMES, fps)
 
 
 def test_a_step_takes_the_time_since_the_last_frame():

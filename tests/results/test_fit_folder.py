@@ -116,12 +116,46 @@ def test_soft_thresholds_come_back(fit, tmp_path):
     assert thresholds.temperature == 0.7
 
 
+def changed(change):
+    """Spoils the content of fit.json."""
+
+    def spoil(folder):
+        content = json.loads((folder / "fit.json").read_text())
+        change(content)
+        (folder / "fit.json").write_text(json.dumps(content))
+
+    return spoil
+
+
+def curve_cells(name, text):
+    """Writes a text into the first cell of a column of curves.csv."""
+
+    def spoil(folder):
+        with open(folder / "curves.csv", newline="") as file:
+            header, first, *rest = csv.reader(file)
+        first[header.index(name)] = text
+        with open(folder / "curves.csv", "w", newline="") as file:
+            csv.writer(file).writerows([header, first, *rest])
+
+    return spoil
+
+
 @pytest.mark.parametrize(
     ("spoil", "message"),
     [
         (lambda folder: (folder / "fit.json").unlink(), "there is no fit.json"),
-        (lambda folder: (folder / "fit.json").write_text("{}"), "its format is not 'lgmd2jax-fit'"),
-        (lambda folder: (folder / "fit.json").write_text("{"), "no fit that can be used"),
+        (lambda folder: (folder / "fit.json").write_text("{}"), "no fit that can be used: fit.json: format is missing"),
+        (changed(lambda content: content["free"]["tau1"].update(low="x")), r"free\.tau1\.low = 'x': must be a number"),
+        (changed(lambda content: content["z"].pop()), "z has 2 values, but 3 parameters are free"),
+        (changed(lambda content: content["curves"].pop()), "curves.csv holds other curves than fit.json names"),
+        (
+            changed(lambda content: content["uncertainty"]["covariance"][0].pop()),
+            r"uncertainty.covariance does not have the shape \[3, 3\]",
+        ),
+        (curve_cells("hard", "x"), r"curves\.csv: \[0\]\.hard = 'x': must be a number"),
+        (curve_cells("channel", "smpp"), r"curves\.csv: \[0\]\.channel = 'smpp': choose 'smp' or"),
+        (lambda folder: (folder / "curves.csv").write_text("a,b\n1,2\n"), r"curves\.csv: \[0\]\.a = 1.0: unknown key; did you mean"),
+        (lambda folder: (folder / "fit.json").write_text("{"), r"fit\.json is not a JSON file"),
         (lambda folder: (folder / "model.json").write_text("{}"), "not a hand-over file"),
     ],
 )
