@@ -1,11 +1,14 @@
 # make fit    set everything up, fit the LGMD2 to its target curves, leave the results in results/lgmd2/
 # make test   set everything up, run the tests
+# make test-lowest   the tests at the lowest versions that pyproject.toml allows, on Python 3.11
+# make test-newest   the tests at the newest versions, on Python 3.13; TESTS=tests/targets takes a part of them
+# make test-robot    hard.py on Python 3.8 with NumPy 1.17
 # make notebooks   set everything up, run the notebooks and write them again
 # make lint   set everything up, check style, types, and which room imports which
 PYTHON ?= python3
 VENV ?= .venv
 
-.PHONY: fit gallery test notebooks lint
+.PHONY: fit gallery test test-lowest test-newest test-robot notebooks lint
 fit: $(VENV)/ready
 	mkdir -p results
 	$(VENV)/bin/lgmd2jax fit fits/lgmd2.toml -o results/lgmd2
@@ -16,6 +19,21 @@ gallery: $(VENV)/ready
 
 test: $(VENV)/ready
 	$(VENV)/bin/python -m pytest -n 2 --dist loadfile
+
+test-lowest: $(VENV)/ready
+	$(VENV)/bin/uv venv --quiet --clear --python 3.11 build/lowest
+	$(VENV)/bin/uv pip install --quiet --python build/lowest --resolution lowest-direct --editable '.[test]'
+	build/lowest/bin/python -m pytest $(TESTS)
+
+test-newest: $(VENV)/ready
+	$(VENV)/bin/uv venv --quiet --clear --python 3.13 build/newest
+	$(VENV)/bin/uv pip install --quiet --python build/newest --upgrade --editable '.[test]'
+	build/newest/bin/python -m pytest $(TESTS)
+
+test-robot: $(VENV)/ready
+	$(VENV)/bin/uv venv --quiet --clear --python 3.8 build/robot
+	$(VENV)/bin/uv pip install --quiet --python build/robot numpy==1.17.3
+	LGMD2JAX_ROBOT_PYTHON=$(CURDIR)/build/robot/bin/python $(VENV)/bin/python -m pytest tests/handover/test_hard.py -k robot
 
 notebooks: $(VENV)/ready
 	$(VENV)/bin/python -m notebooks.build $(NOTEBOOKS)

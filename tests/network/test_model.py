@@ -106,6 +106,15 @@ def test_the_eye_gives_the_frame_rate():
         lgmd.LGMD2(eye=eye)(FRAMES, 30.0)
 
 
+def test_another_frame_rate_is_warned_of_from_a_hundredth_on():
+    model = lgmd.LGMD2(eye=lgmd.Eye(rows=7, cols=9, degrees_per_pixel=2.0, fps=50.0))
+    model(FRAMES, 50.4)
+    model(FRAMES, 49.6)
+    for fps in (50.6, 49.4):
+        with pytest.warns(UserWarning, match=f"belong to 50 frames per second, not {fps}"):
+            model(FRAMES, fps)
+
+
 def test_a_step_takes_the_time_since_the_last_frame():
     """One step over 80 ms relaxes the delays as the exact filter does over two of 40 ms with the same input."""
     model = lgmd.LGMD2(low_pass="exact")
