@@ -213,7 +213,7 @@ def _cell(name: str, text: str) -> Any:
 
 def _curve(condition: str, channel: Channel, rest: float, rows: list[dict[str, Any]]) -> Curve:
     """The curve. The column of upper edges is empty beside what is no band; an earlier version wrote no errors."""
-    columns = {
+    columns: dict[str, Any] = {
         name: np.array([math.nan if (value := row.get(name)) is None else value for row in rows])
         for name in ("time_ms", *_COLUMNS, "upper")
     }
