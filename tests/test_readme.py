@@ -45,7 +45,8 @@ def test_programs_run(program, tmp_path):
 
 
 SLOW_COMMANDS = [
-    pytest.param(it, marks=pytest.mark.slow) if it.split()[1] in ("fit", "characterise") else it for it in COMMANDS
+    pytest.param(it, marks=pytest.mark.slow) if it.split()[1] in ("fit", "characterise") or " --c " in it else it
+    for it in COMMANDS
 ]
 
 
@@ -62,4 +63,4 @@ def test_commands_run(command, tmp_path, monkeypatch, capsys):
 
 def test_there_is_something_to_test():
     assert len(PROGRAMS) == 6
-    assert len(COMMANDS) == 6
+    assert len(COMMANDS) == 7
