@@ -45,7 +45,8 @@ def test_programs_run(program, tmp_path):
 
 
 SLOW_COMMANDS = [
-    pytest.param(it, marks=pytest.mark.slow) if it.split()[1] in ("fit", "characterise") else it for it in COMMANDS
+    pytest.param(it, marks=pytest.mark.slow) if it.split()[1] in ("fit", "characterise") or " --c " in it else it
+    for it in COMMANDS
 ]
 
 

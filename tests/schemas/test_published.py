@@ -24,6 +24,12 @@ def test_what_is_published_is_what_is_checked(name):
     assert (FOLDER / f"{name}.json").read_text(encoding="utf-8") == published(name)
 
 
+@pytest.mark.parametrize(("name", "path"), [pair for pair in SHIPPED if pair[1].suffix == ".toml"])
+def test_the_first_line_tells_an_editor_the_schema(name, path):
+    first = path.read_text(encoding="utf-8").partition("\n")[0]
+    assert first == f"#:schema ../lgmd2jax/schemas/{name}.json"
+
+
 @pytest.mark.parametrize(("name", "path"), SHIPPED, ids=lambda value: getattr(value, "name", value))
 def test_every_shipped_document_fits_both(name, path):
     text = path.read_text(encoding="utf-8")
