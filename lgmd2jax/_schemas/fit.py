@@ -91,7 +91,7 @@ _FIT = {
     "runs": list[table("Run", _complete(_RUN))],
     "screened": _VECTOR,
 }
-FIT = TypeAdapter(table("Fit", _complete(_FIT), OpenTable))
+FIT = TypeAdapter(table("Fit", _complete(_FIT) | {"unfinished": list[Text]}, OpenTable))
 
 _END = either(is_null, {"null": type(None), "value": OpenEnd})
 _ROW = {"condition": Text, "channel": names(TARGETS), "time_ms": Number}
