@@ -152,13 +152,11 @@ def _changes(own: LGMD2, model: LGMD2) -> str:
 def _table(by_name: Mapping[str, Gap], films: Sequence[Film]) -> str:
     words = {"soft": f"soft, temperature {_TEMPERATURE:g}", "C": "C"}
     frames = sum(len(film.frames) for film in films)
-    lines = [
-        f"gap to the hard model over {len(films)} films, {frames:,} frames:",
-        f"  {'':22}{'largest of U':>14}{'frames with other spikes':>26}{'alarms that move':>18}  where it is largest",
-    ]
+    heading = "largest difference of U'  frames with other spikes  alarms that move  film of that difference"
+    lines = [f"gap to the hard model over {len(films)} films, {frames:,} frames:", f"  {'':22}  {heading}"]
     for name, gap in by_name.items():
-        counts = f"{gap.other_counts:26}{gap.moved_alarms:18}"
-        lines.append(f"  {words[name]:22}{gap.difference:14.2g}{counts}  {gap.film}")
+        numbers = f"{gap.difference:24.2g}{gap.other_counts:26}{gap.moved_alarms:18}"
+        lines.append(f"  {words[name]:22}  {numbers}  {gap.film}")
     return "\n".join(lines)
 
 
