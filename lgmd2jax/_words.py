@@ -7,6 +7,14 @@ from collections.abc import Iterable, Iterator
 from opcode import opname
 
 
+class Remark(UserWarning):
+    """What a user should know of something that can be used all the same. The command line prints it as a line."""
+
+
+class UnfinishedWarning(Remark):
+    """A fit was stopped before all that was asked for was done."""
+
+
 def nearest(name: str, known: Iterable[str], count: int | None = None) -> str:
     """The valid names, the likeliest first, for an error message: all, or so many of them."""
     names = sorted(known, key=lambda other: -difflib.SequenceMatcher(None, str(name), other).ratio())[:count]

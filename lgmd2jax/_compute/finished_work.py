@@ -1,11 +1,35 @@
-"""Finished work on disk, a line each, so that a fit that was killed goes on from there."""
+"""Finished work, kept as plain data, so that what was stopped or killed goes on from there."""
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, MutableMapping
 from pathlib import Path
 from typing import Any
 
 from lgmd2jax._files.atomic import replaced
+
+Memory = MutableMapping[str, Any]  # of finished work, by what was done
+
+
+class MemoryPart(Memory):
+    """The entries of a memory whose keys begin with a name, so that several fits can share the memory."""
+
+    def __init__(self, memory: Memory, name: str):
+        self._memory, self._name = memory, f"{name}: "
+
+    def __getitem__(self, key: str) -> Any:
+        return self._memory[self._name + key]
+
+    def __setitem__(self, key: str, value: Any) -> None:
+        self._memory[self._name + key] = value
+
+    def __delitem__(self, key: str) -> None:
+        del self._memory[self._name + key]
+
+    def __iter__(self) -> Iterator[str]:
+        return (key.removeprefix(self._name) for key in self._memory if key.startswith(self._name))
+
+    def __len__(self):
+        return sum(1 for _ in self)
 
 
 class FileMemory(dict[str, Any]):

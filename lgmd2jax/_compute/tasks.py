@@ -3,20 +3,21 @@
 import contextlib
 import os
 import threading
-from collections.abc import Callable, Iterable, Iterator, MutableMapping
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from typing import TYPE_CHECKING, Any
 
 import jax
 from tqdm import tqdm
 
-from lgmd2jax._compute.cluster import checked_client, keep_to_own_cores, unpacked
+from lgmd2jax._compute.cluster import checked_client, prepare_worker, running_versions, unpacked
+from lgmd2jax._compute.finished_work import Memory
 
 if TYPE_CHECKING:
     from distributed import Client
 
-Memory = MutableMapping[str, Any]  # of finished tasks, as plain data
 Result = dict[str, Any]
+_DIGEST = "digest"  # the key of a memory under which it says whose work it keeps
 Stop = threading.Event | None  # set when a task is to come to its end; a worker of a cluster is told otherwise
 Task = Callable[[int, Stop], Result]
 
@@ -27,11 +28,27 @@ class Work:
     After Ctrl-C `stop` is set, tasks that have not begun are dropped, and the results that there are are returned. If
     there are none at all, the `KeyboardInterrupt` goes on.
 
-    **Arguments:** `total`: how many tasks there are in all, for the one bar of all of them.
+    **Arguments:** `digest`: of all that the results depend on. `total`: how many tasks there are in all, for the one
+    bar of all of them.
+
+    **Raises:** `ValueError` for a memory of tasks with another digest, which stays as it was.
     """
 
-    def __init__(self, memory: Memory, progress: bool, client: "Client | None" = None, *, total: int | None = None):
-        self.memory, self.stop, self.best = memory, threading.Event(), float("inf")
+    def __init__(
+        self,
+        memory: Memory,
+        progress: bool,
+        client: "Client | None" = None,
+        *,
+        digest: str = "",
+        total: int | None = None,
+    ):
+        if memory and memory.get(_DIGEST, "") != digest:
+            raise ValueError(
+                "memory keeps the work of another fit, of other data, bounds, model or settings, or of another "
+                "version; give an empty one"
+            )
+        self.memory, self.digest, self.stop, self.best = memory, digest, threading.Event(), float("inf")
         self.client = None if client is None else checked_client(client)
         self._results = 0
         self._bar = tqdm(total=total, disable=not progress, unit="start", leave=False)
@@ -60,6 +77,8 @@ class Work:
             results[number] = result
             self._results += 1
             if not self.stop.is_set():  # else it may have been cut short
+                if self.digest and _DIGEST not in self.memory:
+                    self.memory[_DIGEST] = self.digest
                 self.memory[f"{kind} {number}"] = result
             if result["loss"] < self.best:
                 self.best = result["loss"]
@@ -104,7 +123,7 @@ class Work:
         # A key of its own: under one by content an earlier task's data, being released, would go with this one's.
         packed = self.client.scatter(dumps(task), broadcast=True, hash=False)
         with self.client.get_executor(pure=False) as pool:
-            yield lambda number: pool.submit(_there, packed, number, wide)
+            yield lambda number: pool.submit(_there, packed, number, wide, running_versions())
 
 
 def _here(task: Task, number: int, wide: bool, stop: Stop) -> Result:
@@ -112,7 +131,7 @@ def _here(task: Task, number: int, wide: bool, stop: Stop) -> Result:
         return task(number, stop)
 
 
-def _there(packed: bytes, number: int, wide: bool) -> Result:
-    keep_to_own_cores()
+def _there(packed: bytes, number: int, wide: bool, versions: str) -> Result:
+    prepare_worker(versions)
     with jax.enable_x64(wide):
         return unpacked(packed)(number, None)

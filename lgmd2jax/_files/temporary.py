@@ -4,7 +4,8 @@ import re
 import secrets
 from pathlib import Path
 
-_TOKEN = re.compile(r"\..+\.[0-9a-f]{8}(\.[^.]+)?")
+_TOKEN = r"\.[0-9a-f]{8}"
+_LOCK = ".lock"
 
 
 def temporary_beside(path: Path) -> Path:
@@ -12,16 +13,18 @@ def temporary_beside(path: Path) -> Path:
     return path.with_name(f".{path.stem}.{secrets.token_hex(4)}{path.suffix}")
 
 
+def lock_beside(path: Path) -> Path:
+    """The name of the lock of a folder."""
+    return path.with_name(f".{path.name}{_LOCK}")
+
+
 def is_temporary(path: Path) -> bool:
     """Whether this is such a name: what a killed process left."""
-    return _TOKEN.fullmatch(path.name) is not None
+    name = path.name
+    return name.startswith(".") and (name.endswith(_LOCK) or bool(re.fullmatch(rf".+{_TOKEN}(\.[^.]+)?", name)))
 
 
 def temporaries_beside(path: Path) -> list[Path]:
     """What killed processes left that wrote to this path."""
-    own = f".{path.stem}."
-    return [
-        other
-        for other in path.parent.iterdir()
-        if is_temporary(other) and other.name.startswith(own) and other.suffix == (path.suffix or other.suffix)
-    ]
+    own = re.compile(re.escape(f".{path.stem}") + _TOKEN + re.escape(path.suffix))
+    return [other for other in path.parent.iterdir() if own.fullmatch(other.name)]

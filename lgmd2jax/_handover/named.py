@@ -1,17 +1,19 @@
 """A model by name: a file, a shipped fit or a preset, with single parameters set."""
 
+import warnings
 from collections.abc import Iterable
 from pathlib import Path
 
 import equinox as eqx
 
+from lgmd2jax._files.atomic import read_json
 from lgmd2jax._files.catalogue import locate
 from lgmd2jax._handover.model_file import load
 from lgmd2jax._network.abstract import AbstractNetwork, AnyNetwork
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._network.parameters import PRESETS, preset, symbols
 from lgmd2jax._network.yue_rind import YueRindLGMD1
-from lgmd2jax._words import nearest
+from lgmd2jax._words import UnfinishedWarning, nearest
 
 _PRESET, _YUE_RIND = "preset:", "yue_rind"
 
@@ -19,11 +21,17 @@ _PRESET, _YUE_RIND = "preset:", "yue_rind"
 def model_named(name: str) -> AbstractNetwork:
     """The model of a path, of a shipped fit's bare name, or of `preset:NAME`; `preset:yue_rind` is the LGMD1.
 
+    An `UnfinishedWarning` says where a fit's search was stopped.
+
     **Raises:** `ValueError` for a preset or a file that is none, `FileNotFoundError` for a file that is not there.
     """
     path = model_file(name)
     if path is not None:
-        return load(path)
+        model = load(path)
+        if (part := read_json(path)["provenance"].get("unfinished")) is not None:
+            message = f"{path} is of an unfinished fit: {part} was stopped; lgmd2jax fit ... --resume goes on with it"
+            warnings.warn(message, UnfinishedWarning, stacklevel=2)
+        return model
     name = name.removeprefix(_PRESET)
     if name not in (known := (*PRESETS, _YUE_RIND)):
         raise ValueError(f"preset is {name!r}; choose {nearest(name, known)}")

@@ -122,8 +122,7 @@ class AbstractNetwork(eqx.Module):
 
     def __hash__(self):
         """By value, as equality is, so that `jax.jit(model)` compiles once for equal models."""
-        leaves, structure = jax.tree.flatten(self)
-        return hash((structure, *(np.asarray(leaf).tobytes() for leaf in leaves)))
+        return hash((type(self), *(np.asarray(leaf).tobytes() for leaf in jax.tree.leaves(self))))
 
     def __check_init__(self):
         kinds = {"parameters": (parameters_of(type(self)),), "thresholds": (Thresholds,), "eye": (Eye, type(None))}

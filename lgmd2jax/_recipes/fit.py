@@ -3,7 +3,8 @@
 import dataclasses
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
@@ -11,6 +12,7 @@ import jax
 import numpy as np
 
 from lgmd2jax._characterise import characterise
+from lgmd2jax._compute.finished_work import Memory, MemoryPart
 from lgmd2jax._files.catalogue import beside
 from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.lgmd2 import LGMD2
@@ -18,11 +20,14 @@ from lgmd2jax._network.parameters import symbols
 from lgmd2jax._protocol.protocol import load_protocol
 from lgmd2jax._targets.observation import Observation
 from lgmd2jax._words import nearest, within
-from lgmd2jax.fitting import Fit, Free, fit
+from lgmd2jax.fitting import Fit, Free, Profile, Supplement, fit
 from lgmd2jax.fitting._conditions import Rendered, render
-from lgmd2jax.fitting._law_fit import check_approaches
+from lgmd2jax.fitting._law_fit import check_approaches, compare_with_law
+from lgmd2jax.fitting._search.descent import STOPPED
 from lgmd2jax.fitting._sections import free_of, network_of
-from lgmd2jax.fitting._validation import check_no_bands, leave_one_out
+from lgmd2jax.fitting._validation import Pair, Predict, check_no_bands, leave_one_out, predicted_r2
+
+Part = Callable[[Supplement], Supplement]  # adds what it computes
 
 
 @dataclasses.dataclass(frozen=True)
@@ -76,9 +81,57 @@ class Recipe:
         )
 
     def predict_each(self, progress: bool = False) -> dict[str, float]:
-        """R2 of each condition by a fit to the others, or to those of other families."""
-        groups = self.families if self.leave_one_out == "family" else None
-        return leave_one_out(lambda pairs: self.run(progress, pairs=pairs).predict, self.pairs, groups)
+        """R2 of each condition by a fit to the others, or to those of other families.
+
+        **Raises:** `KeyboardInterrupt` on Ctrl-C, also where one of the fits would return its best so far.
+        """
+        return leave_one_out(lambda pairs: self._predictor(pairs, progress, None), self.pairs, self._groups)
+
+    def further(self, fit: Fit, memory: Memory, progress: bool = False) -> dict[str, Part]:
+        """What the recipe asks for beside the fit, by a few words: each adds its part to a supplement.
+
+        **Arguments:** `memory`: of finished work, so that what was stopped goes on from there.
+        """
+        parts: dict[str, Part] = {}
+        if self.looming_law:
+            parts["the looming law"] = partial(self._with_law, fit)
+        for name in self.profile:
+            parts[f"the profile of {name}"] = partial(self._with_profile, fit, memory, name)
+        if self.leave_one_out:
+            for group in dict.fromkeys(self._groups):
+                words = f"the prediction of {group!r} by a fit to the others"
+                parts[words] = partial(self._with_prediction, memory, progress, group)
+        return parts
+
+    @property
+    def _groups(self) -> tuple[str, ...]:
+        """What is left out together: each condition by itself, or each family."""
+        if self.leave_one_out == "family":
+            return self.families
+        return tuple(stimulus.name for stimulus, _ in self.pairs)
+
+    def _with_law(self, fit: Fit, extra: Supplement) -> Supplement:
+        law = compare_with_law(self.pairs, fit.curves, smoothing=float(fit.observation.smoothing))
+        return dataclasses.replace(extra, looming_law=law)
+
+    def _with_profile(self, fit: Fit, memory: Memory, name: str, extra: Supplement) -> Supplement:
+        key = f"profile of {name}"
+        if key not in memory:
+            memory[key] = fit.profile(name).plain()
+        return dataclasses.replace(extra, profiles={**extra.profiles, name: Profile.of(memory[key])})
+
+    def _with_prediction(self, memory: Memory, progress: bool, group: str, extra: Supplement) -> Supplement:
+        key = f"without {group}"
+        if key not in memory:
+            predictor = partial(self._predictor, progress=progress, memory=MemoryPart(memory, key))
+            memory[key] = predicted_r2(predictor, self.pairs, self._groups, group)
+        return dataclasses.replace(extra, left_out={**extra.left_out, **memory[key]})
+
+    def _predictor(self, pairs: Sequence[Pair], progress: bool, memory: Memory | None) -> Predict:
+        fit = self.run(progress, memory, pairs)
+        if fit.result == STOPPED:  # its best so far would pass for the fit that was asked for
+            raise KeyboardInterrupt
+        return fit.predict
 
     def with_mechanisms(self, *mechanisms: str) -> "Recipe":
         """The same fit of another circuit.

@@ -27,6 +27,13 @@ class Section:
     sentences: tuple[str, ...] = ()
 
 
+def unfinished_section(parts: Sequence[str]) -> tuple[Section, ...]:
+    """What stands before all other sections while parts of the results are still to come; nothing without any."""
+    if not parts:
+        return ()
+    return (Section(f"UNFINISHED: {', '.join(parts)}", sentences=("The same command with --resume goes on with it.",)),)
+
+
 def as_text(sections: Sequence[Section]) -> str:
     """All sections, at most `WIDTH` columns wide."""
     parts = [line for section in sections for line in ("", *textwrap.wrap(section.title, WIDTH), *_lines(section))]

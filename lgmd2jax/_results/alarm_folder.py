@@ -1,59 +1,74 @@
 """The results of a fit of alarms as a folder."""
 
-import json
+import dataclasses
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from lgmd2jax._files.folder import replaced_folder
 from lgmd2jax._handover.model_file import save
-from lgmd2jax._reports.page import report_page
-from lgmd2jax._reports.section import as_html
-from lgmd2jax._results.fit_folder import MARKER, OWN
 from lgmd2jax._results.fit_json import plain
+from lgmd2jax._results.results_folder import FIGURES, Documents, ResultsFolder
 from lgmd2jax.alarms import AlarmFit, HeldOutScores, Score
 from lgmd2jax.alarms._report import write_table
 from lgmd2jax.fitting._search.descent import STOPPED
 
 _FORMAT, _VERSION = "lgmd2jax-alarm-fit", 1
+_FIGURES = ("fit.png", "diagnostics.png", "worst.png")
 
 
-def save_alarm_fit(
-    fit: AlarmFit,
-    folder: Path,
-    *,
-    name: str,
-    held_out: HeldOutScores | None,
-    provenance: dict[str, Any],
-    notes: dict[str, Any],
-) -> None:
-    """Write model.json, fit.json, clips.csv, fit.png, diagnostics.png, worst.png, report.txt and report.html.
+@dataclasses.dataclass(frozen=True)
+class AlarmFolder:
+    """The folder of a fit of alarms, written step by step; what is `unfinished` is marked as such.
 
-    The folder appears whole, or stays as it was.
-
-    **Arguments:** `notes`: what else fit.json is to say.
-
-    **Raises:** `ValueError` for a folder that holds something else, or that cannot be written.
+    `notes`: what else fit.json is to say.
     """
-    from lgmd2jax._figures.alarms import clips_figure, operating_figure, worst_figure  # these need matplotlib
 
-    pictures = ("fit.png", "diagnostics.png", "worst.png")
-    with replaced_folder(folder, MARKER, (*OWN, "clips.csv", "worst.png")) as new:
-        save(fit.model, new / "model.json", provenance=provenance)
+    fit: AlarmFit
+    path: Path
+    name: str
+    notes: Mapping[str, Any]
+
+    def begin(self, unfinished: Sequence[str], provenance: Mapping[str, Any]) -> None:
+        """Put the fit, without figures, in the place of what is there.
+
+        **Raises:** `ValueError` for a folder that holds something else, or that cannot be written.
+        """
+
+        def write(folder: Path) -> None:
+            save(self.fit.model, folder / "model.json", provenance=provenance)
+            write_table(folder / "clips.csv", self.fit.evaluation.verdicts())
+
+        self._folder.begin(self._documents((FIGURES, *unfinished), None), write)
+
+    def draw(self, unfinished: Sequence[str]) -> None:
+        """Add the figures."""
+        from lgmd2jax._figures.alarms import clips_figure, operating_figure, worst_figure  # these need matplotlib
+
+        def draw(folder: Path) -> None:
+            clips_figure(folder / _FIGURES[0], self.fit.evaluation, self.name)
+            operating_figure(folder / _FIGURES[1], self.fit.evaluation)
+            worst_figure(folder / _FIGURES[2], self.fit.evaluation)
+
+        self._folder.draw(self._documents(unfinished, None), draw)
+
+    def add(self, held_out: HeldOutScores) -> None:
+        """Add what models do on clips that the fit did not see."""
+        self._folder.add(self._documents((), held_out))
+
+    @property
+    def _folder(self) -> ResultsFolder:
+        return ResultsFolder(self.path, f"Alarms {self.name}", _FIGURES, ("model.json", "clips.csv"))
+
+    def _documents(self, unfinished: Sequence[str], held_out: HeldOutScores | None) -> Documents:
         content = {
             "format": _FORMAT,
             "version": _VERSION,
-            "name": name,
-            **plain(_content(fit, held_out)),
-            **plain(notes),
+            "name": self.name,
+            "unfinished": list(unfinished),
+            **plain(_content(self.fit, held_out)),
+            **plain(dict(self.notes)),
         }
-        (new / MARKER).write_text(json.dumps(content, indent=1, allow_nan=False) + "\n", encoding="utf-8")
-        write_table(new / "clips.csv", fit.evaluation.verdicts())
-        clips_figure(new / pictures[0], fit.evaluation, name)
-        operating_figure(new / pictures[1], fit.evaluation)
-        worst_figure(new / pictures[2], fit.evaluation)
-        (new / "report.txt").write_text(fit.summary(held_out) + "\n", encoding="utf-8")
-        page = report_page(f"Alarms {name}", [new / picture for picture in pictures], as_html(fit.sections(held_out)))
-        (new / "report.html").write_text(page, encoding="utf-8")
+        return Documents(content, self.fit.sections(held_out, unfinished))
 
 
 def _content(fit: AlarmFit, held_out: HeldOutScores | None) -> dict[str, Any]:

@@ -1,8 +1,9 @@
 """The results of a fit as a folder, and back."""
 
 import csv
-import json
+import dataclasses
 import math
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,11 +12,11 @@ import numpy as np
 from lgmd2jax._channels import Channel
 from lgmd2jax._files.atomic import read_json
 from lgmd2jax._files.catalogue import locate
-from lgmd2jax._files.folder import replaced_folder
+from lgmd2jax._files.lock import locked
 from lgmd2jax._handover.model_file import load, save
-from lgmd2jax._reports.section import as_html
 from lgmd2jax._results.fit_json import content_of, fit_of, plain
 from lgmd2jax._results.posterior_nc import write_posterior
+from lgmd2jax._results.results_folder import FIGURES, MARKER, Documents, ResultsFolder, warn_if_unfinished
 from lgmd2jax._schemas.check import check
 from lgmd2jax._schemas.fit import FIT, ROWS
 from lgmd2jax._targets.observation import Observation
@@ -23,17 +24,9 @@ from lgmd2jax._words import warn_renamed, within
 from lgmd2jax.fitting import Curve, Fit, Posterior, Supplement
 from lgmd2jax.fitting._curve import rest_of
 
-MARKER = "fit.json"
-OWN = (
-    "model.json",
-    MARKER,
-    "curves.csv",
-    "fit.png",
-    "diagnostics.png",
-    "report.txt",
-    "report.html",
-    "posterior.nc",
-)
+_FIGURES = ("fit.png", "diagnostics.png")
+_POSTERIOR = "posterior.nc"
+_FILES = ("model.json", "curves.csv", _POSTERIOR)
 _STATISTICS = ("energy", "diverging", "acceptance_rate", "tree_depth")
 _COLUMNS = ("target", "sem", "weight", "soft", "hard", "band", "error")
 
@@ -51,42 +44,87 @@ def save_fit(
 ) -> None:
     """Write a fit's folder: model.json, fit.json, curves.csv, fit.png, diagnostics.png, report.txt and report.html.
 
-    The folder appears whole; an old one of results is replaced in one step, and what else stands in it is kept.
+    The folder appears whole; an old one of results is replaced in one step, and what else stands in it is kept. The
+    figures follow in a second step, until which the report calls them unfinished.
 
     **Arguments:** `name`: of the report, by default the folder's. `extra`: further sections of the report.
     `provenance`: plain values for model.json, which equal fits share. `notes`: what else fit.json is to say.
     `draws`: of the posterior, for posterior.nc. `made`: the old name of `notes`.
 
-    **Raises:** `ValueError` for a folder that holds something else, or that cannot be written.
+    **Raises:** `ValueError` for a folder that holds something else, that another process works on, or that cannot be
+    written.
     """
-    from lgmd2jax._figures.fit import diagnostics_figure, fit_figure  # the only part that needs matplotlib
-    from lgmd2jax._reports.page import report_page
-
     if made is not None:
         warn_renamed("save_fit(made=...)", "save_fit(notes=...)")
         notes = made
-    folder, extra = Path(folder), extra or Supplement()
-    name = name or folder.absolute().name
-    with replaced_folder(folder, MARKER, OWN) as new:
-        save(fit.model, new / "model.json", provenance=provenance or {})
-        _write_curves(new / "curves.csv", fit.curves)
-        content = {"name": name} | content_of(fit, extra) | plain(notes or {})
-        (new / MARKER).write_text(json.dumps(content, indent=1, allow_nan=False) + "\n", encoding="utf-8")
-        (new / "report.txt").write_text(fit.summary(extra) + "\n", encoding="utf-8")
-        fit_figure(new / "fit.png", fit.curves, name)
-        diagnostics_figure(new / "diagnostics.png", fit)
-        if draws is not None:
-            units = {freedom.name: freedom.symbol.unit for freedom in fit.free.freedoms}
-            statistics = {name: np.asarray(getattr(draws, name)) for name in _STATISTICS}
-            write_posterior(new / "posterior.nc", fit.values_of(draws), units, statistics)
-        page = report_page(f"Fit {name}", [new / "fit.png", new / "diagnostics.png"], as_html(fit.sections(extra)))
-        (new / "report.html").write_text(page, encoding="utf-8")
+    with locked(folder):
+        results = FitFolder(fit, Path(folder), name or Path(folder).absolute().name, notes or {})
+        results.begin(extra or Supplement(), provenance or {}, draws)
+        results.draw(extra or Supplement())
+
+
+@dataclasses.dataclass(frozen=True)
+class FitFolder:
+    """A fit's folder, written step by step; what a supplement calls unfinished is marked as such.
+
+    `notes`: what else fit.json is to say.
+    """
+
+    fit: Fit
+    path: Path
+    name: str
+    notes: Mapping[str, Any]
+
+    def begin(self, extra: Supplement, provenance: Mapping[str, Any], draws: Posterior | None = None) -> None:
+        """Put the fit, without figures, in the place of what is there."""
+
+        def write(folder: Path) -> None:
+            save(self.fit.model, folder / "model.json", provenance=provenance)
+            _write_curves(folder / "curves.csv", self.fit.curves)
+            if draws is not None:
+                self._write_draws(folder, draws)
+
+        without = dataclasses.replace(extra, unfinished=(FIGURES, *extra.unfinished))
+        self._folder.begin(self._documents(without), write)
+
+    def draw(self, extra: Supplement) -> None:
+        """Add the figures."""
+        from lgmd2jax._figures.fit import diagnostics_figure, fit_figure  # the only part that needs matplotlib
+
+        def draw(folder: Path) -> None:
+            fit_figure(folder / _FIGURES[0], self.fit.curves, self.name)
+            diagnostics_figure(folder / _FIGURES[1], self.fit)
+
+        self._folder.draw(self._documents(extra), draw)
+
+    def add(self, extra: Supplement) -> None:
+        """Add what a supplement says."""
+        self._folder.add(self._documents(extra))
+
+    def add_draws(self, extra: Supplement, draws: Posterior) -> None:
+        """Add draws of the posterior."""
+        self._folder.add(self._documents(extra), lambda folder: self._write_draws(folder, draws), (_POSTERIOR,))
+
+    @property
+    def _folder(self) -> ResultsFolder:
+        return ResultsFolder(self.path, f"Fit {self.name}", _FIGURES, _FILES)
+
+    def _documents(self, extra: Supplement) -> Documents:
+        content = {"name": self.name} | content_of(self.fit, extra) | plain(dict(self.notes))
+        return Documents(content, self.fit.sections(extra))
+
+    def _write_draws(self, folder: Path, draws: Posterior) -> None:
+        units = {freedom.name: freedom.symbol.unit for freedom in self.fit.free.freedoms}
+        statistics = {name: np.asarray(getattr(draws, name)) for name in _STATISTICS}
+        write_posterior(folder / _POSTERIOR, self.fit.values_of(draws), units, statistics)
 
 
 def load_fit(folder: str | Path) -> Fit:
     """The fit of a result folder or of its fit.json, or of a shipped one by its bare name.
 
     It predicts; it does not hold the targets.
+
+    An `UnfinishedWarning` says what is still to come of a fit that was stopped.
 
     **Raises:** `ValueError` for a folder that holds no fit, `FileNotFoundError` where there is none.
     """
@@ -103,7 +141,8 @@ def load_validated_fit(folder: str | Path) -> tuple[Fit, dict[str, float]]:
         with within("curves.csv"):
             curves = _read_curves(folder / "curves.csv", Observation(**content["observation"]))
         fit = fit_of(content, load(folder / "model.json"), curves)
-        return fit, {name: math.nan if r2 is None else r2 for name, r2 in content["leave_one_out_r2"].items()}
+    warn_if_unfinished(folder, content.get("unfinished", ()))  # an earlier version did not write it
+    return fit, {name: math.nan if r2 is None else r2 for name, r2 in content["leave_one_out_r2"].items()}
 
 
 def fit_folder(folder: str | Path) -> Path:
@@ -174,7 +213,7 @@ def _cell(name: str, text: str) -> Any:
 
 def _curve(condition: str, channel: Channel, rest: float, rows: list[dict[str, Any]]) -> Curve:
     """The curve. The column of upper edges is empty beside what is no band; an earlier version wrote no errors."""
-    columns = {
+    columns: dict[str, Any] = {
         name: np.array([math.nan if (value := row.get(name)) is None else value for row in rows])
         for name in ("time_ms", *_COLUMNS, "upper")
     }

@@ -44,6 +44,7 @@ def content_of(fit: Fit, supplement: Supplement) -> dict[str, Any]:
         "version": VERSION,
         "result": fit.result,
         "status": fit.status,
+        "unfinished": supplement.unfinished,
         "free": free,
         "ties": {name: dataclasses.asdict(tie) for name, tie in fit.free.ties.items()},
         "observation": observation,

@@ -1,6 +1,5 @@
 """Posterior draws as a NetCDF file in the layout that ArviZ reads (the extra `bayes`)."""
 
-import importlib.util
 import os
 from collections.abc import Mapping
 from importlib.metadata import version
@@ -8,7 +7,13 @@ from importlib.metadata import version
 import numpy as np
 from jaxtyping import Float
 
+from lgmd2jax._compute.cluster import need
 from lgmd2jax._files.atomic import replaced
+
+
+def check_packages() -> None:
+    """Raise `ValueError` where the packages that draws need are not installed: before the fit, not after it."""
+    need("blackjax", "h5netcdf", "h5py", "xarray", extra="bayes")
 
 
 def write_posterior(
@@ -24,8 +29,7 @@ def write_posterior(
 
     **Raises:** `ValueError` without these packages, and when `path` cannot become a file.
     """
-    if not all(importlib.util.find_spec(name) for name in ("blackjax", "h5netcdf", "h5py", "xarray")):
-        raise ValueError("a file of samples needs xarray, h5netcdf and h5py: pip install 'lgmd2jax[bayes]'")
+    check_packages()
     import xarray
 
     def group(arrays: Mapping[str, np.ndarray]) -> xarray.Dataset:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import jax
 import numpy as np
 
-from lgmd2jax._compute.cluster import checked_client, keep_to_own_cores, unpacked
+from lgmd2jax._compute.cluster import checked_client, prepare_worker, running_versions, unpacked
 from lgmd2jax._sweep.blocks import Plan
 from lgmd2jax._sweep.store import Store
 
@@ -33,7 +33,7 @@ def spread(
 
     packed, wide = dumps(plan), bool(jax.config.read("jax_enable_x64"))
     place = None if path is None else os.path.abspath(path)
-    futures = client.map(_work, numbers, packed=packed, wide=wide, path=place, pure=False)
+    futures = client.map(_work, numbers, packed=packed, wide=wide, path=place, versions=running_versions(), pure=False)
     which = {future.key: number for future, number in zip(futures, numbers, strict=True)}
     try:
         for future in as_completed(futures):
@@ -43,9 +43,9 @@ def spread(
         client.cancel(futures)
 
 
-def _work(number: int, packed: bytes, wide: bool, path: str | None) -> Results | None:
+def _work(number: int, packed: bytes, wide: bool, path: str | None, versions: str) -> Results | None:
     """A block, on a worker."""
-    keep_to_own_cores()
+    prepare_worker(versions)
     with jax.enable_x64(wide):
         plan = unpacked(packed)
         store = None if path is None else _opened(packed, path)

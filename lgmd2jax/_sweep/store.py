@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from lgmd2jax._compute.cluster import need
-from lgmd2jax._files.temporary import temporaries_beside, temporary_beside
+from lgmd2jax._compute.fingerprint import fingerprint
+from lgmd2jax._files.temporary import temporary_beside
 from lgmd2jax._sweep.blocks import Plan, Region
-from lgmd2jax._sweep.fingerprint import fingerprint
 from lgmd2jax._sweep.responses import SUMMARIES
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ class Store:
     def __init__(self, plan: Plan, path: str | os.PathLike):
         need("zarr", extra="sweep")
         self._plan, self._path = plan, Path(path)
-        if not self._path.exists() or (self._path.is_dir() and not any(self._path.iterdir())):
+        if _is_vacant(self._path):
             self._create()
         try:
             digest = self._group("r").attrs.get("digest")
@@ -136,12 +136,22 @@ class Store:
             count = len(self._plan.numbers())
             group.create_array(_DONE, shape=(count,), chunks=(1,), dtype=bool, fill_value=False)
             temporary.rename(path)
-            for left_over in temporaries_beside(path):
-                shutil.rmtree(left_over, ignore_errors=True)
         except OSError as error:
             raise ValueError(f"cannot write {path}: {error.strerror or error}") from error
         finally:
             shutil.rmtree(temporary, ignore_errors=True)
+
+
+def is_complete(plan: Plan, path: str | os.PathLike) -> bool:
+    """Whether a folder holds all of this sweep, so that it is only read.
+
+    **Raises:** `ValueError` as the class.
+    """
+    return not _is_vacant(Path(path)) and not Store(plan, path).missing()
+
+
+def _is_vacant(path: Path) -> bool:
+    return not path.exists() or (path.is_dir() and not any(path.iterdir()))
 
 
 def _write(group: Any, number: int, region: Region, results: dict[str, np.ndarray]) -> None:

@@ -1,5 +1,6 @@
 """A sweep: what the network answers over a grid of conditions."""
 
+import contextlib
 import os
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
@@ -7,11 +8,12 @@ from typing import TYPE_CHECKING, Any
 from tqdm import tqdm
 
 from lgmd2jax._eye import Eye
+from lgmd2jax._files.lock import locked
 from lgmd2jax._sweep.axes import Models, read_grid
 from lgmd2jax._sweep.blocks import plan_blocks
 from lgmd2jax._sweep.cluster import spread
 from lgmd2jax._sweep.responses import check_channels
-from lgmd2jax._sweep.store import Memory, Store, need
+from lgmd2jax._sweep.store import Memory, Store, is_complete, need
 
 if TYPE_CHECKING:
     import xarray
@@ -63,20 +65,20 @@ def sweep(
     stimulus, in the order given), and the channels over these and time; units are in the attributes.
 
     **Raises:** `ValueError` for names that nothing takes, axes that are empty or not finite, values that the renderer
-    refuses, a store of another sweep, and a disk that is full.
+    refuses, a store of another sweep or in use by another process, and a disk that is full.
     """
     need("xarray", extra="sweep")
     grid = read_grid(model, renderer, eye, parameters, arguments)
     blocks = plan_blocks(grid, check_channels(channels), block)
-    results = Memory(blocks) if store is None else Store(blocks, store)
-    left = results.missing()
-    total = sum(blocks.size(number) for number in blocks.numbers())
-    with tqdm(
-        desc="sweep", total=total, initial=total - sum(map(blocks.size, left)), disable=not progress, leave=False
-    ) as bar:
-        local = ((number, blocks.compute(number)) for number in left)
-        for number, block_results in local if client is None else spread(blocks, left, client, store):
-            if block_results is not None:
-                results.write(number, block_results)
-            bar.update(blocks.size(number))
+    with contextlib.nullcontext() if store is None or is_complete(blocks, store) else locked(store):
+        results = Memory(blocks) if store is None else Store(blocks, store)
+        left = results.missing()
+        total = sum(blocks.size(number) for number in blocks.numbers())
+        done = total - sum(map(blocks.size, left))
+        with tqdm(desc="sweep", total=total, initial=done, disable=not progress, leave=False) as bar:
+            local = ((number, blocks.compute(number)) for number in left)
+            for number, block_results in local if client is None else spread(blocks, left, client, store):
+                if block_results is not None:
+                    results.write(number, block_results)
+                bar.update(blocks.size(number))
     return results.dataset()

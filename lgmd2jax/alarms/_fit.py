@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Array
 
-from lgmd2jax._compute.tasks import Memory, Result, Work
+from lgmd2jax._compute.fingerprint import fingerprint
+from lgmd2jax._compute.finished_work import Memory
+from lgmd2jax._compute.tasks import Result, Work
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._network.thresholds import Hard
 from lgmd2jax._targets.observation import Observation
@@ -66,14 +68,15 @@ def fit(
     - `pixel_points`, `cell_points`, `descend`, `temperatures`, `max_steps`: as for `lgmd2jax.fit`.
     - `generations`: of the search near the best, each a quarter of the pixel points; 0 for none, as for `descend`.
     - `progress`: show a bar.
-    - `memory`: a mapping that keeps finished work; given again, the fit goes on from there.
+    - `memory`: a mapping that keeps finished work; given again, the fit goes on from there. That of another fit is
+      refused.
     - `client`: of a Dask cluster, on whose workers the starts are spread instead of on the cores here.
 
     On Ctrl-C the best so far is returned. Before the first start is finished the `KeyboardInterrupt` goes on to the
     caller.
 
-    **Raises:** `ValueError` for no clips, for clips in which no alarm is wanted, for a start outside of its bounds, and
-    for numbers that make no sense.
+    **Raises:** `ValueError` for no clips, for clips in which no alarm is wanted, for a start outside of its bounds, for
+    the memory of another fit, and for numbers that make no sense.
     """
     check_key(key)
     _check(model, clips, {"miss": miss, "false_alarm": false_alarm})
@@ -96,7 +99,8 @@ def fit(
     starts = AlarmStarts(search, max_steps, own_events)
     children = max(1, pixel_points // 4)
     total = pixel_points + generations * children + min(descend, pixel_points) + len(own_events)
-    with Work({} if memory is None else memory, progress, client, total=total) as work:
+    digest = "" if memory is None else fingerprint((starts, generations))
+    with Work({} if memory is None else memory, progress, client, digest=digest, total=total) as work:
         anywhere = starts.screenings(work.do("screening", starts.screen, range(pixel_points), starts.compile_screening))
         best = {number: screening.best for number, screening in anywhere.items()}
         for generation in range(generations):

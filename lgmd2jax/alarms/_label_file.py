@@ -17,7 +17,7 @@ from lgmd2jax._schemas.labels import LABELS
 from lgmd2jax._signals import stretches
 from lgmd2jax._video.clip import Clip, open_clip, window_of
 from lgmd2jax._video.recording import Recording
-from lgmd2jax._words import is_refusal
+from lgmd2jax._words import is_refusal, within
 from lgmd2jax.alarms._clip import LabelledClip, check_stretches
 from lgmd2jax.alarms._decoding import decode
 from lgmd2jax.stimuli import Encounter, encounters
@@ -89,8 +89,9 @@ class LabelFile:
 
         **Raises:** `ValueError` that names all clips whose files or labels are wrong.
         """
-        sources = [*self._opened(), *([] if self.rendered is None else [self.rendered])]
-        return tuple(clip for source in progress(sources) for clip in self._clips_of(source))
+        with within(f"{self.folder / self.name}.toml"):
+            sources = [*self._opened(), *([] if self.rendered is None else [self.rendered])]
+            return tuple(clip for source in progress(sources) for clip in self._clips_of(source))
 
     def _clips_of(self, source: "_Opened | Rendering") -> Iterator[LabelledClip]:
         if isinstance(source, Rendering):

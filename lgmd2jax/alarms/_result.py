@@ -1,13 +1,13 @@
 """The result of a fit of alarms."""
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from jaxtyping import Float
 
 from lgmd2jax._network.lgmd2 import LGMD2
-from lgmd2jax._reports.section import Section, as_text
+from lgmd2jax._reports.section import Section, as_text, unfinished_section
 from lgmd2jax._words import warn_renamed
 from lgmd2jax.alarms import _report
 from lgmd2jax.alarms._evaluation import Evaluation, HeldOutScores
@@ -51,9 +51,14 @@ class AlarmFit:
         warn_renamed("AlarmFit.watch", "AlarmFit.evaluation")
         return self.evaluation
 
-    def sections(self, held_out: HeldOutScores | None = None) -> list[Section]:
-        """The report's sections. `held_out`: what models do on clips that the fit did not see."""
+    def sections(self, held_out: HeldOutScores | None = None, unfinished: Sequence[str] = ()) -> list[Section]:
+        """The report's sections.
+
+        **Arguments:** `held_out`: what models do on clips that the fit did not see. `unfinished`: what is still to
+        come, each in a few words.
+        """
         return [
+            *unfinished_section(unfinished),
             _report.clip_section(self.evaluation, self.left_out),
             *([] if held_out is None else [_report.held_out_section(held_out)]),
             _report.search_section(self.screened, self.right, self.descended, self.left_out, self.stopped),

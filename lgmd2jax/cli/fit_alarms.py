@@ -4,46 +4,50 @@ import argparse
 import time
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
 
 from tqdm import tqdm
 
 from lgmd2jax._files.folder import check_folder
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._network.parameters import preset
-from lgmd2jax._results.alarm_folder import save_alarm_fit
-from lgmd2jax._results.fit_folder import MARKER
+from lgmd2jax._results.alarm_folder import AlarmFolder
+from lgmd2jax._results.results_folder import MARKER, SEARCH
 from lgmd2jax.alarms import AlarmRecipe, HeldOutScores, LabelledClip, evaluate, load_labels
-from lgmd2jax.cli.recipe_results import folder_of, origin, starts_of
-from lgmd2jax.fitting._search.descent import STOPPED
+from lgmd2jax.cli.recipe_results import folder_of, kept_work, origin, write_stopped
 
+_HELD_OUT = "the scores on clips that the fit did not see"
 _ROBOT_T_SP = 0.65  # Table I's range is .65 on the robot to .78 off line
 
 
 def run(options: argparse.Namespace, recipe: AlarmRecipe, start: float) -> None:
-    """Make the fit, write its folder, and print the report."""
+    """Make the fit, write its folder, add its scores on held-out clips, and print the report."""
     folder = folder_of(options, recipe.name)
     check_folder(folder, MARKER)
     clips = recipe.file.load(_bar)
     if options.clips is not None:
         clips += _further(options.clips, recipe)
     digest = recipe.digest(clips)
-    memory = starts_of(folder, digest, options.resume)
-    alarms = sum(len(clip.windows) for clip in clips)
-    print(f"fitting {', '.join(recipe.free.names)} to {len(clips)} clips with {alarms} alarms wanted", flush=True)
-    if not any(clip.silent for clip in clips):
-        print("no clip has a silence: nothing here speaks against a model that always fires", flush=True)
-    fit = recipe.run(clips, progress=True, memory=memory)
-    scores = None if fit.stopped or recipe.validation is None else _held_out_scores(recipe, fit.model)
-    provenance = {"recipe": recipe.name, "seed": recipe.seed, "digest": digest}
-    notes: dict[str, Any] = {"recipe": recipe.table, "digest": digest, "made": origin(start)}
-    save_alarm_fit(fit, folder, name=recipe.name, held_out=scores, provenance=provenance, notes=notes)
+    with kept_work(folder, digest, options.resume) as memory:
+        alarms = sum(len(clip.windows) for clip in clips)
+        print(f"fitting {', '.join(recipe.free.names)} to {len(clips)} clips with {alarms} alarms wanted", flush=True)
+        if not any(clip.silent for clip in clips):
+            print("no clip has a silence: nothing here speaks against a model that always fires", flush=True)
+        fit, scores = recipe.run(clips, progress=True, memory=memory), None
+        left = [] if recipe.validation is None else [_HELD_OUT]
+        provenance = {"recipe": recipe.name, "seed": recipe.seed, "digest": digest}
+        results = AlarmFolder(
+            fit, folder, recipe.name, {"recipe": recipe.table, "digest": digest, "made": origin(start)}
+        )
+        if fit.stopped:
+            provenance["unfinished"] = SEARCH
+            write_stopped(folder, lambda: results.begin([SEARCH, *left], provenance), fit.summary())
+        results.begin(left, provenance)
+        results.draw(left)
+        if recipe.validation is not None:
+            scores = _held_out_scores(recipe, fit.model)
+            results.add(scores)
     print(fit.summary(scores))
     print(f"\nwrote {folder}/ in {time.monotonic() - start:.0f} s; open {folder}/report.html")
-    if fit.stopped:
-        print(f"{STOPPED}: this is the best so far; go on with --resume")
-        raise SystemExit(130)
-    memory.forget()
 
 
 def _further(path: Path, recipe: AlarmRecipe) -> tuple[LabelledClip, ...]:

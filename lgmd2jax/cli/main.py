@@ -7,13 +7,13 @@ import os
 import signal
 import sys
 import traceback
+import warnings
 from collections.abc import Iterator
 from importlib.metadata import version
 from types import ModuleType
 
 from lgmd2jax._compute.xla import set_flags
-from lgmd2jax._video.remarks import clip_warnings_as_lines
-from lgmd2jax._words import is_refusal
+from lgmd2jax._words import Remark, is_refusal
 from lgmd2jax.cli.options import characterise, compare, export, fit, predict, respond, stimuli, sweep, watch
 
 _COMMANDS = (respond, watch, fit, predict, compare, characterise, sweep, stimuli, export)
@@ -62,7 +62,7 @@ def main(arguments: list[str] | None = None) -> int:
         with _ended_by_ctrl_c() if arguments is None else contextlib.nullcontext():
             _parser().parse_args(arguments, options)
             command = _loaded(options.command)
-        with clip_warnings_as_lines():
+        with _remarks_as_lines():
             command.run(options)
     except (Exception, KeyboardInterrupt) as error:
         if options.traceback:
@@ -71,6 +71,23 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"lgmd2jax: {' '.join(message.split())}", file=sys.stderr)
         return status
     return 0
+
+
+@contextlib.contextmanager
+def _remarks_as_lines() -> Iterator[None]:
+    """Within the block a `Remark` is one line on standard error, as the commands' own warnings are."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", Remark)
+        show = warnings.showwarning
+
+        def line(message, category, *place, **rest):
+            if issubclass(category, Remark):
+                print(f"lgmd2jax: warning: {message}", file=sys.stderr)
+            else:
+                show(message, category, *place, **rest)
+
+        warnings.showwarning = line
+        yield
 
 
 @contextlib.contextmanager

@@ -1,14 +1,20 @@
 """Where the results of a recipe and its unfinished work are kept."""
 
 import argparse
+import contextlib
 import datetime
 import platform
 import time
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from lgmd2jax._compute.finished_work import FileMemory
 from lgmd2jax._files.catalogue import results_folder
+from lgmd2jax._files.folder import check_folder
+from lgmd2jax._files.lock import locked
+from lgmd2jax._files.temporary import temporaries_beside
+from lgmd2jax._results.results_folder import MARKER, is_finished
 
 
 def folder_of(options: argparse.Namespace, name: str) -> Path:
@@ -16,10 +22,39 @@ def folder_of(options: argparse.Namespace, name: str) -> Path:
     return options.output or results_folder(options.recipe) / name
 
 
-def starts_of(folder: Path, digest: str, resume: bool) -> FileMemory:
-    """What a fit has finished so far, in a hidden file beside the folder of its results."""
-    place = folder.absolute()
-    return FileMemory(place.with_name(f".{place.name}.starts.jsonl"), digest, resume)
+@contextlib.contextmanager
+def kept_work(folder: Path, digest: str, resume: bool) -> Iterator[FileMemory]:
+    """What a fit has finished so far, in a hidden file beside the folder of its results, which is locked meanwhile.
+
+    The file goes when the block ends well. On Ctrl-C the command says how to go on, and ends.
+
+    **Raises:** `ValueError` for a folder of something else, one in use, and for the work of another recipe.
+    """
+    check_folder(folder, MARKER)
+    place = folder.absolute().with_name(f".{folder.absolute().name}.starts.jsonl")
+    with locked(folder):
+        for left_over in temporaries_beside(place):
+            left_over.unlink()
+        memory = FileMemory(place, digest, resume)
+        try:
+            yield memory
+        except KeyboardInterrupt:
+            if not memory:
+                raise
+            print("stopped; what is finished is kept: go on with --resume")
+            raise SystemExit(130) from None
+        memory.forget()
+
+
+def write_stopped(folder: Path, write: Callable[[], None], summary: str) -> NoReturn:
+    """Write the best of a search that was stopped, unless it would replace finished results, and end the command."""
+    print(summary)
+    if is_finished(folder):
+        print(f"\nstopped by hand; {folder}/ keeps the finished results of an earlier run: go on with --resume")
+    else:
+        write()
+        print(f"\nstopped by hand; {folder}/ holds the best so far: go on with --resume")
+    raise SystemExit(130)
 
 
 def origin(start: float) -> dict[str, Any]:

@@ -13,7 +13,9 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from lgmd2jax._compute.tasks import Memory, Result, Work
+from lgmd2jax._compute.fingerprint import fingerprint
+from lgmd2jax._compute.finished_work import Memory
+from lgmd2jax._compute.tasks import Result, Work
 from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.noise import inhibition_in_noise
 from lgmd2jax._network.thresholds import Hard, Soft, StraightThrough
@@ -87,7 +89,8 @@ def fit(
       Otherwise they are weights, and the residual variance sets the scale of all uncertainty.
     - `throw`: whether to raise `RuntimeError` where the result is not `"converged"`.
     - `progress`: show a bar with the best loss so far.
-    - `memory`: a mapping that keeps finished work; given again, the fit goes on from there.
+    - `memory`: a mapping that keeps finished work; given again, the fit goes on from there. That of another fit is
+      refused.
     - `client`: of a Dask cluster, on whose workers the starts are spread instead of on the cores here.
     - `choose`: what else a model must do, as a score that is higher for a better one. Of the start, the ends of the
       descents and points between, the model with the highest score is the result, of equals the one with the least
@@ -97,7 +100,8 @@ def fit(
     `KeyboardInterrupt` goes on to the caller. Fits want float64: `jax_enable_x64`.
 
     **Raises:** `ValueError` for conditions without targets, for a start outside of its bounds, for more free parameters
-    than independent samples, for a prior beside targets without errors, and for settings that make no sense.
+    than independent samples, for a prior beside targets without errors, for the memory of another fit, and for settings
+    that make no sense.
     """
     check_key(key)
     pairs, observation, free = render(conditions), observation or Observation(), free.of(type(model.parameters))
@@ -124,7 +128,8 @@ def fit(
         solver=solver,
     )
     starts = CurveStarts(search, max_steps)
-    with Work({} if memory is None else memory, progress, client, total=pixel_points + descend + 1) as work:
+    digest, total = "" if memory is None else fingerprint(starts), pixel_points + descend + 1
+    with Work({} if memory is None else memory, progress, client, digest=digest, total=total) as work:
         screened = work.do("screening", starts.screen, range(pixel_points), starts.compile_screening)
         chosen = _apart(screened, descend)
         if not chosen:

@@ -3,9 +3,10 @@
 import dataclasses
 import math
 from collections.abc import Iterator, Mapping
-from typing import Any, Literal, TypeVar
+from typing import Any, Literal, NamedTuple, TypeVar
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
@@ -46,19 +47,31 @@ class Tie:
     """A parameter that follows another one, free or fixed: `theta1=Tie("theta2")` is theta1 = factor theta2."""
 
     to: str
-    factor: float | int = 1.0
+    factor: Any = 1.0
+
+
+class Structure(NamedTuple):
+    """What a compiled program knows of a free parameter: all but its numbers."""
+
+    name: str
+    symbol: Symbol
+    scale: Literal["linear", "log"]
+    has_prior: bool
 
 
 @dataclasses.dataclass(frozen=True)
 class Freedom:
-    """One free parameter, resolved: where it may lie, and how that maps to [0, 1]."""
+    """One free parameter, resolved: where it may lie, and how that maps to [0, 1].
+
+    The numbers are floats, and traced arrays within a compiled program.
+    """
 
     name: str
     symbol: Symbol
-    low: float
-    high: float
+    low: Any
+    high: Any
     scale: Literal["linear", "log"]
-    prior: tuple[float, float] | None
+    prior: tuple[Any, Any] | None
 
     def value(self, z):
         """The value at z in [0, 1]."""
@@ -69,7 +82,7 @@ class Freedom:
     def place(self, value):
         """The z of a value."""
         if self.scale == "log":
-            return jnp.log(value / self.low) / math.log(self.high / self.low)
+            return jnp.log(value / self.low) / jnp.log(self.high / self.low)
         return (value - self.low) / (self.high - self.low)
 
     def slope(self, z: float) -> float:
@@ -77,6 +90,7 @@ class Freedom:
         return self.value(z) * math.log(self.high / self.low) if self.scale == "log" else self.high - self.low
 
 
+@jax.tree_util.register_pytree_node_class
 class Free:
     """The free parameters of a fit, by the paper's symbols and the fields of `Observation`.
 
@@ -100,18 +114,53 @@ class Free:
         self._choices, self._kind = choices, kind
         for name in choices:
             _check_name(name, "free parameter", kind)
-        self.ties: Mapping[str, Tie] = {name: choice for name, choice in choices.items() if isinstance(choice, Tie)}
-        for name, tie in self.ties.items():
+        ties = {name: choice for name, choice in choices.items() if isinstance(choice, Tie)}
+        for name, tie in ties.items():
             _check_name(tie.to, f"{name} is tied to a parameter that", kind)
-            if tie.to in self.ties or tie.to == name:
+            if tie.to in ties or tie.to == name:
                 raise ValueError(f"{name} is tied to {tie.to}, which is tied itself; tie both to one that is not")
-        self.freedoms: tuple[Freedom, ...] = tuple(
+        freedoms = [
             _freedom(name, choice, _symbols(kind)[name])
             for name, choice in choices.items()
             if not isinstance(choice, Tie)
-        )
-        if not self.freedoms:
+        ]
+        if not freedoms:
             raise ValueError("free is empty; name at least one parameter")
+        self.structure = tuple(
+            Structure(freedom.name, freedom.symbol, freedom.scale, freedom.prior is not None) for freedom in freedoms
+        )
+        self._tied = tuple((name, tie.to) for name, tie in ties.items())
+        self._bounds = np.array([(freedom.low, freedom.high) for freedom in freedoms])
+        self._priors = np.array([freedom.prior or (math.nan, math.nan) for freedom in freedoms])
+        self._factors = np.array([float(tie.factor) for tie in ties.values()])
+
+    def tree_flatten(self):
+        """For JAX: numbers are data, so that other bounds, priors and factors compile nothing anew."""
+        return (self._bounds, self._priors, self._factors), (self.structure, self._tied)
+
+    @classmethod
+    def tree_unflatten(cls, structure, numbers) -> "Free":
+        """For JAX: the same with other numbers, or what stands for these while a program is traced."""
+        free = cls.__new__(cls)
+        free.structure, free._tied = structure
+        free._bounds, free._priors, free._factors = numbers
+        return free
+
+    @property
+    def freedoms(self) -> tuple[Freedom, ...]:
+        """The free parameters, in the order in which they were named."""
+        return tuple(
+            Freedom(name, symbol, *_pair(bounds), scale, _pair(prior) if has_prior else None)
+            for (name, symbol, scale, has_prior), bounds, prior in zip(
+                self.structure, self._bounds, self._priors, strict=True
+            )
+        )
+
+    @property
+    def ties(self) -> Mapping[str, Tie]:
+        """What follows another parameter, by its name."""
+        factors = (_number(factor) for factor in self._factors)
+        return {name: Tie(to, factor) for (name, to), factor in zip(self._tied, factors, strict=True)}
 
     def of(self, kind: type[ParameterSet]) -> "Free":
         """The same choices for the parameters of a network, with the bounds that these declare.
@@ -138,7 +187,7 @@ class Free:
         return Free(**{**self._choices, **choices})
 
     def __len__(self):
-        return len(self.freedoms)
+        return len(self.structure)
 
     def __eq__(self, other):
         return isinstance(other, Free) and (self.freedoms, self.ties) == (other.freedoms, other.ties)
@@ -156,12 +205,12 @@ class Free:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The free parameters, in the order in which they were named."""
-        return tuple(freedom.name for freedom in self.freedoms)
+        """The names of the free parameters, in the order in which they were named."""
+        return tuple(structure.name for structure in self.structure)
 
     def indices(self, *names: str) -> tuple[int, ...]:
         """Where those of `names` that are free stand."""
-        return tuple(i for i, freedom in enumerate(self.freedoms) if freedom.name in names)
+        return tuple(i for i, name in enumerate(self.names) if name in names)
 
     def values(self, z: Float[Array | np.ndarray, " free"]) -> dict[str, Array]:
         """The free parameters and the tied ones at a point of the unit box."""
@@ -212,6 +261,15 @@ class Free:
             if freedom.prior
         ]
         return jnp.stack(rows) if rows else jnp.zeros(0)
+
+
+def _number(value):
+    """A float, or what stands for one while a program is traced."""
+    return float(value) if isinstance(value, np.floating) else value
+
+
+def _pair(values) -> tuple[Any, Any]:
+    return _number(values[0]), _number(values[1])
 
 
 def _replaced(owner: Any, values: Mapping[str, Array], known) -> Any:

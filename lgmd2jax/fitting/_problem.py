@@ -68,7 +68,7 @@ class Batch(eqx.Module):
 
 
 class Problem(Space[AbstractNetwork]):
-    """A fit's data and what is free. Two problems of the same shapes share what is compiled."""
+    """A fit's data and what is free. Two problems of the same shapes share what is compiled, whatever their bounds."""
 
     batches: tuple[Batch, ...]
     places: tuple[tuple[Place, ...], ...] = eqx.field(static=True)
@@ -131,7 +131,7 @@ class Problem(Space[AbstractNetwork]):
     @property
     def priors(self) -> int:
         """How many of the residuals, at their end, are penalties."""
-        return sum(freedom.prior is not None for freedom in self.free.freedoms)
+        return sum(freedom.has_prior for freedom in self.free.structure)
 
     def known(self) -> Bool[np.ndarray, " n_and_priors"]:
         """Which of the residuals count: differences with a target, and penalties."""

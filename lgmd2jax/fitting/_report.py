@@ -34,12 +34,14 @@ class Supplement:
     - `left_out`: R2 of a condition, by its name, predicted by a fit to all others.
     - `looming_law`: the looming law fitted to the same recordings.
     - `truth`: the known values of a twin's parameters.
+    - `unfinished`: what is still to come, such as draws, each in a few words.
     """
 
     profiles: Mapping[str, Profile] = dataclasses.field(default_factory=dict)
     left_out: Mapping[str, float] = dataclasses.field(default_factory=dict)
     looming_law: LawComparison | None = None
     truth: Mapping[str, float] = dataclasses.field(default_factory=dict)
+    unfinished: tuple[str, ...] = ()
 
 
 def status(result: str, loss: float, u: Uncertainty, curves: Sequence[Curve]) -> tuple[str, ...]:

@@ -9,11 +9,12 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from lgmd2jax._channels import Channel
+from lgmd2jax._compute.finished_work import Memory
 from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.parameters import ParameterSet
 from lgmd2jax._network.thresholds import Hard
 from lgmd2jax._protocol.condition import Condition
-from lgmd2jax._reports.section import Section, as_html, as_text
+from lgmd2jax._reports.section import Section, as_html, as_text, unfinished_section
 from lgmd2jax._targets.observation import Observation, observation_symbols
 from lgmd2jax._targets.target import Target
 from lgmd2jax._types import check_key
@@ -130,17 +131,25 @@ class Fit:
             value=lambda z: float(self.free.freedoms[index].value(z)),
         )
 
-    def sample(self, key: Array, draws: int = 1000, chains: int = 4) -> Posterior:
+    def sample(self, key: Array, draws: int = 1000, chains: int = 4, memory: Memory | None = None) -> Posterior:
         """Draws of the free parameters given the curves, uniform within the bounds beforehand (extra `bayes`).
 
         They lie in the unit box; `values_of` maps them to the parameters' own units.
+
+        **Arguments:** `memory`: a mapping that keeps finished chains; given again, the draws go on from there.
 
         **Raises:** `ValueError` for a fit that was read from a folder, and without the extra.
         """
         check_key(key)
         residuals = self._residuals("sample")
         return draw_posterior(
-            residuals, self.z, key=key, variance=self.uncertainty.variance, draws=draws, chains=chains
+            residuals,
+            self.z,
+            key=key,
+            variance=self.uncertainty.variance,
+            draws=draws,
+            chains=chains,
+            memory=memory,
         )
 
     def values_of(self, draws: Posterior) -> dict[str, Float[np.ndarray, "chain draw"]]:
@@ -265,7 +274,11 @@ class Fit:
             _report.truth_section(more.truth, free, values, u),
             Section("Remarks", sentences=tuple(self.remarks())),
         )
-        return [head, *(section for section in sections if section.rows or section.sentences)]
+        return [
+            *unfinished_section(more.unfinished),
+            head,
+            *(section for section in sections if section.rows or section.sentences),
+        ]
 
     def summary(self, supplement: Supplement | None = None) -> str:
         """The report as text."""

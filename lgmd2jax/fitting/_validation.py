@@ -13,6 +13,8 @@ from lgmd2jax.stimuli import Stimulus
 Pair = tuple[Stimulus, Sequence[Target]]
 # A channel of the response to a stimulus, at its frames.
 Predict = Callable[[Stimulus, Channel], Float[np.ndarray, " time"]]
+# What fits to conditions, and returns what predicts others.
+FitTo = Callable[[Sequence[Pair]], Predict]
 
 
 def check_no_bands(pairs: Sequence[Pair]) -> None:
@@ -22,25 +24,30 @@ def check_no_bands(pairs: Sequence[Pair]) -> None:
             raise ValueError(f"the target of {stimulus.name!r} is a band, which has no R2; leave leave_one_out out")
 
 
-def leave_one_out(
-    fit_to: Callable[[Sequence[Pair]], Predict], pairs: Sequence[Pair], groups: Sequence[str] | None = None
-) -> dict[str, float]:
+def leave_one_out(fit_to: FitTo, pairs: Sequence[Pair], groups: Sequence[str] | None = None) -> dict[str, float]:
     """R2 of each condition's first target, predicted by a fit to all conditions of other groups.
 
-    **Arguments:** `fit_to` fits to conditions, and returns what predicts others. `groups`: of each condition, such as
-    its family; by default each is one by itself.
+    **Arguments:** `groups`: of each condition, such as its family; by default each is one by itself.
 
     **Raises:** `ValueError` for fewer than two groups, and for a band, of which R2 says nothing.
     """
-    labels = range(len(pairs)) if groups is None else groups
-    if len(set(labels)) < 2:
+    groups = [str(number) for number in range(len(pairs))] if groups is None else groups
+    explained = [predicted_r2(fit_to, pairs, groups, left_out) for left_out in dict.fromkeys(groups)]
+    return {name: r2 for group in explained for name, r2 in group.items()}
+
+
+def predicted_r2(fit_to: FitTo, pairs: Sequence[Pair], groups: Sequence[str], left_out: str) -> dict[str, float]:
+    """R2 of the first target of each condition of one group, predicted by a fit to all conditions of the others.
+
+    **Raises:** `ValueError` as `leave_one_out`.
+    """
+    if len(set(groups)) < 2:
         raise ValueError("there is one condition only, or one family; to leave one out, give two or more")
     check_no_bands(pairs)
-    explained = {}
-    for left_out in dict.fromkeys(labels):
-        predict = fit_to([pair for pair, label in zip(pairs, labels, strict=True) if label != left_out])
-        for (stimulus, (target, *_)), label in zip(pairs, labels, strict=True):
-            if label == left_out:
-                curve = predict(stimulus, target.channel)
-                explained[stimulus.name] = variance_explained(target.values, curve, target.weight)
-    return explained
+    labelled = list(zip(pairs, groups, strict=True))
+    predict = fit_to([pair for pair, group in labelled if group != left_out])
+    return {
+        stimulus.name: variance_explained(target.values, predict(stimulus, target.channel), target.weight)
+        for (stimulus, (target, *_)), group in labelled
+        if group == left_out
+    }

@@ -142,7 +142,7 @@ def test_the_same_key_gives_the_same_fit_and_memory_goes_on(clips, fitted):
     memory = {}
     again = fit(START, clips, FREE, **SETTINGS, memory=memory)
     assert again.z.tolist() == fitted.z.tolist()
-    assert {task.split()[0] for task in memory} == {"screening", "generation", "descending", "leaving"}
+    assert {task.split()[0] for task in memory} == {"digest", "screening", "generation", "descending", "leaving"}
     assert fit(START, clips, FREE, **SETTINGS, memory=memory).z.tolist() == fitted.z.tolist()
 
 

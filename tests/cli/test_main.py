@@ -115,6 +115,8 @@ REFUSALS = {
     "in the files": "raise FileNotFoundError('k is -1; give more')",
 }
 FAULTS = {
+    "of a reader": "\n from lgmd2jax._words import within\n with within('mine.toml'):\n  int('one')",
+    "of a reader, a wrong type": "\n from lgmd2jax._words import within\n with within('mine.toml'):\n  len(3)",
     "Python's own": "int('one')",
     "of unpacking": "a, b = (1, 2, 3)",
     "NumPy's": "np.zeros(3).reshape(2)",
@@ -129,6 +131,13 @@ def test_a_mistake_of_the_user_is_its_message_in_one_line(monkeypatch, capsys, b
     runs(monkeypatch, body)
     assert main(EXPORT) == 1
     assert capsys.readouterr().err == "lgmd2jax: k is -1; give more\n"
+
+
+@pytest.mark.parametrize("error", ["ValueError", "FileNotFoundError"])
+def test_what_a_reader_refuses_names_its_file(monkeypatch, capsys, error):
+    runs(monkeypatch, f"\n from lgmd2jax._words import within\n with within('mine.toml'):\n  raise {error}('k = -1')")
+    assert main(EXPORT) == 1
+    assert capsys.readouterr().err == "lgmd2jax: mine.toml: k = -1\n"
 
 
 @pytest.mark.parametrize("body", FAULTS.values(), ids=FAULTS)
@@ -147,6 +156,12 @@ def test_traceback_shows_where(monkeypatch, capsys, line, body, status):
     first, *_, last = capsys.readouterr().err.splitlines()
     assert first == "Traceback (most recent call last):"
     assert last.startswith("lgmd2jax: ")
+
+
+def test_what_the_system_refuses_is_told_by_path_and_in_words(monkeypatch, capsys):
+    runs(monkeypatch, "open('/proc/none/of/that')")
+    assert main(EXPORT) == 1
+    assert capsys.readouterr().err == "lgmd2jax: /proc/none/of/that: No such file or directory\n"
 
 
 def test_the_library_itself_is_told_from_what_it_calls(tmp_path, capsys):

@@ -199,6 +199,26 @@ def test_driven_by_hand_as_by_optimistix():
     assert steps == solution.stats["num_steps"]
 
 
+def test_the_first_step_is_compiled_for_all():
+    """What a step returns has the types of what init gave, so that no second program is compiled."""
+    y, compiled = jnp.array([1.0, 3, 0.1]), 0
+
+    def fn(y, args):
+        nonlocal compiled
+        compiled += 1
+        return decay_residuals(y, args), None
+
+    given, args = solver(0.0, jnp.array([1.5, 10, 10])), clean(0.05)
+    struct = jax.eval_shape(fn, y, args)
+    state = eqx.filter_jit(lambda y: given.init(fn, y, args, {}, struct[0], struct[1], frozenset()))(y)
+    step = eqx.filter_jit(lambda y, state: given.step(fn, y, args, {}, state, frozenset()))
+    y, state, _ = step(y, state)
+    after_one = compiled
+    for _ in range(3):
+        y, state, _ = step(y, state)
+    assert compiled == after_one
+
+
 def test_pytrees_of_variables_residuals_and_bounds():
     def residuals(y, args):
         tail = y["tail"]

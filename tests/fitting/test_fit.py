@@ -149,6 +149,60 @@ def test_ctrl_c_keeps_the_best_so_far(looms, soft_fit):
     assert resumed.values == soft_fit.values
 
 
+def test_other_bounds_priors_and_factors_compile_nothing(looms):
+    """A trace comes before every compilation; JAX tells of each."""
+    traces = []
+
+    def listen(event: str, duration: float, **kwargs: str | int):
+        if event == "/jax/core/compile/jaxpr_trace_duration":
+            traces.append(kwargs.get("fun_name"))
+
+    soft = lgmd.Soft(1.0)
+    model, pairs = model_of(soft), conditions(looms, model_of(soft, **TRUTH), noise=0.01, key=KEY)
+    choices = {
+        "first": {"k": lgmd.Log(0.1, 2, prior=(0.5, 0.1)), "tau3": (100, 1000), "theta1": lgmd.Tie("theta2", 0.5)},
+        "other": {"k": lgmd.Log(0.2, 3, prior=(0.4, 0.2)), "tau3": (90, 900), "theta1": lgmd.Tie("theta2", 0.6)},
+    }
+    fits = {}
+    for name, bounds in choices.items():
+        traces.clear()
+        jax.monitoring.register_event_duration_secs_listener(listen)
+        fits[name] = lgmd.fit(model, pairs, lgmd.Free(theta2=(1, 6), **bounds), key=KEY, **QUICK)
+        fits[name].profile("k")
+        jax.monitoring.clear_event_listeners()
+        assert bool(traces) == (name == "first"), traces
+    assert fits["first"].values != fits["other"].values
+    anew = jax.jit(lambda free, z: free.values(z)["theta1"])
+    for name, factor in (("first", 0.5), ("other", 0.6)):
+        np.testing.assert_allclose(anew(fits[name].free, np.array([0.5, 0.5, 0.5])), 3.5 * factor)
+
+
+@pytest.mark.parametrize("other", ["data", "bounds", "model", "settings"])
+def test_the_memory_of_another_fit_is_refused_and_kept(looms, other):
+    """The first screening alone is enough to be recognised; nothing of it must pass for a result of this fit."""
+
+    class Interrupted(dict):
+        def __setitem__(self, key, value):
+            super().__setitem__(key, value)
+            if key == "screening 0":
+                raise KeyboardInterrupt
+
+    soft, memory = lgmd.Soft(1.0), Interrupted()
+    quick: dict[str, Any] = QUICK | {"pixel_points": 1}
+    lgmd.fit(model_of(soft), conditions(looms, model_of(soft, **TRUTH)), FREE, key=KEY, **quick, memory=memory)
+    changed: dict[str, tuple[Any, ...]] = {
+        "data": (model_of(soft), conditions(looms, model_of(soft, k=0.5)), FREE, quick),
+        "bounds": (model_of(soft), conditions(looms, model_of(soft, **TRUTH)), FREE.also(k=(0.1, 2.1)), quick),
+        "model": (model_of(soft, sigma_sp=0.2), conditions(looms, model_of(soft, **TRUTH)), FREE, quick),
+        "settings": (model_of(soft), conditions(looms, model_of(soft, **TRUTH)), FREE, quick | {"max_steps": 9}),
+    }
+    model, pairs, free, settings = changed[other]
+    before = dict(memory)
+    with pytest.raises(ValueError, match="memory keeps the work of another fit"):
+        lgmd.fit(model, pairs, free, key=KEY, **settings, memory=memory)
+    assert memory == before
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("solver", [optx.LevenbergMarquardt(1e-6, 1e-9), optx.BFGS(1e-6, 1e-12)], ids=["lm", "bfgs"])
 def test_other_solvers_of_optimistix(looms, solver):

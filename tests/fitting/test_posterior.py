@@ -1,5 +1,7 @@
 """Posterior draws against what is known exactly, and the file as ArviZ reads it."""
 
+import json
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -56,6 +58,30 @@ def test_the_key_decides():
     again, other = draw(SLOPES, variance=0.8), draw(SLOPES, variance=0.8, seed=1)
     np.testing.assert_array_equal(again.z, draw(SLOPES, variance=0.8).z)
     assert (again.z != other.z).any()
+
+
+def test_finished_chains_are_not_drawn_again_and_those_of_other_data_are_not_taken():
+    class Interrupted(dict):
+        def __setitem__(self, key, value):
+            super().__setitem__(key, value)
+            raise KeyboardInterrupt
+
+    settings = {"key": jax.random.key(0), "chains": 2, "draws": 20, "warmup": 20}
+    residuals, memory = jax.tree_util.Partial(straight, jnp.asarray(SLOPES)), Interrupted()
+    with pytest.raises(KeyboardInterrupt):
+        draw_posterior(residuals, CENTRE, **settings, memory=memory)
+    resumed = json.loads(json.dumps(memory))
+    (first,) = resumed
+    resumed[first][0][0][0] += 1  # marks the finished chain
+    again, whole = (draw_posterior(residuals, CENTRE, **settings, memory=kept) for kept in (resumed, None))
+    logit = np.log(again.z / (1 - again.z)) - np.log(whole.z / (1 - whole.z))
+    np.testing.assert_allclose(logit[0, 0, 0], 1)
+    logit[0, 0, 0] = 0
+    np.testing.assert_allclose(logit, 0, atol=1e-9)
+    other = jax.tree_util.Partial(straight, jnp.asarray(2 * SLOPES))
+    draws = draw_posterior(other, CENTRE, **settings, memory=resumed)
+    np.testing.assert_array_equal(draws.z, draw_posterior(other, CENTRE, **settings).z)
+    assert len(resumed) == 4
 
 
 def test_too_few_draws_are_refused():

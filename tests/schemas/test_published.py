@@ -12,7 +12,7 @@ from lgmd2jax._schemas.check import check
 
 SHIPPED = [
     *(("recipe", path) for path in folder("fits").glob("*.toml")),
-    *(("labels" if path.stem == "video" else "protocol", path) for path in folder("stimuli").glob("*.toml")),
+    *(("labels" if path.stem in ("video", "crash") else "protocol", path) for path in folder("stimuli").glob("*.toml")),
     *(("model", path) for path in folder("fits").glob("*/model.json")),
     *(("fit", path) for path in folder("fits").glob("*/fit.json") if path.parent.name != "video"),  # that is of alarms
 ]
@@ -22,6 +22,12 @@ SHIPPED = [
 def test_what_is_published_is_what_is_checked(name):
     """Where this fails: python -m lgmd2jax._schemas"""
     assert (FOLDER / f"{name}.json").read_text(encoding="utf-8") == published(name)
+
+
+@pytest.mark.parametrize(("name", "path"), [pair for pair in SHIPPED if pair[1].suffix == ".toml"])
+def test_the_first_line_tells_an_editor_the_schema(name, path):
+    first = path.read_text(encoding="utf-8").partition("\n")[0]
+    assert first == f"#:schema ../lgmd2jax/schemas/{name}.json"
 
 
 @pytest.mark.parametrize(("name", "path"), SHIPPED, ids=lambda value: getattr(value, "name", value))

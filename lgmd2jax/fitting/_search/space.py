@@ -23,12 +23,12 @@ class Space(eqx.Module, Generic[AnyNetwork]):
 
     model: AnyNetwork
     observation: Observation
-    free: Free = eqx.field(static=True)
+    free: Free
 
     @property
     def pixel_indices(self) -> tuple[int, ...]:
         """The free parameters that the pixels need."""
-        return tuple(i for i, freedom in enumerate(self.free.freedoms) if freedom.symbol.stage == "pixels")
+        return tuple(i for i, freedom in enumerate(self.free.structure) if freedom.symbol.stage == "pixels")
 
     @property
     def cell_indices(self) -> tuple[int, ...]:

@@ -36,7 +36,8 @@ class GainRatio(optx.AbstractSearch):
     """
 
     def init(self, y: PyTree[Array], f_info_struct: ResidualJac) -> GainRatioState:
-        return GainRatioState(jnp.array(_FIRST_STEP_SIZE), jnp.array(2.0), jnp.array(jnp.inf))
+        dtype = ravel_pytree(y)[0].dtype  # that of the later states, for which a step would be compiled once more
+        return GainRatioState(*(jnp.array(value, dtype) for value in (_FIRST_STEP_SIZE, 2.0, jnp.inf)))
 
     def step(
         self,

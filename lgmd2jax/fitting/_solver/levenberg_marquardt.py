@@ -7,6 +7,7 @@ import jax
 import jax.numpy as jnp
 import lineax as lx
 import optimistix as optx
+from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Bool, Float, Int, PyTree, Scalar
 
 from lgmd2jax.fitting._solver.box_descent import DampedBoxDescent, DampedBoxState
@@ -71,7 +72,7 @@ class BoundedLevenbergMarquardt(optx.AbstractLeastSquaresSolver):
             descent_state=self.descent.init(y, f_info),
             f_info=f_info,
             aux=aux,
-            offset=jnp.array(jnp.inf),
+            offset=jnp.array(jnp.inf, ravel_pytree(y)[0].dtype),
             terminate=jnp.array(False),
             result=optx.RESULTS.successful,
             num_accepted_steps=jnp.array(0),

@@ -10,6 +10,9 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int, Key
 
+from lgmd2jax._compute.fingerprint import fingerprint
+from lgmd2jax._compute.finished_work import Memory
+
 # A start is moved so far into the unit box, and moved about by so much on the unbounded scale.
 _EDGE, _SCATTER = 1e-2, 0.1
 
@@ -42,6 +45,7 @@ def draw_posterior(
     chains: int = 4,
     draws: int = 1000,
     warmup: int = 1000,
+    memory: Memory | None = None,
 ) -> Posterior:
     """Sample exp(-chi2 / (2 variance)) over the unit box.
 
@@ -50,7 +54,8 @@ def draw_posterior(
     Gradients are taken in forward mode, in which the model is fast.
 
     **Arguments:** `residuals` by a point of the unit box, correlated ones already counted as fractions, as for
-    `profile`; `z` the point near which the chains start; `variance` of a residual.
+    `profile`; `z` the point near which the chains start; `variance` of a residual; `memory` keeps finished chains, so
+    that draws which were stopped go on.
 
     **Raises:** `ValueError` without blackjax, and for fewer than two chains or four draws.
     """
@@ -64,8 +69,14 @@ def draw_posterior(
     place = jnp.clip(jnp.asarray(z), _EDGE, 1 - _EDGE)
     scatter, sampling = jax.random.split(key)
     starts = jnp.log(place / (1 - place))[None, :] + _SCATTER * jax.random.normal(scatter, (chains, len(z)))
-    out = _sample(residuals, starts, jax.random.split(sampling, chains), jnp.asarray(variance), draws, warmup)
-    x, energy, diverging, rate, depth = (np.asarray(array) for array in out)
+    keys, settings = jax.random.split(sampling, chains), (jnp.asarray(variance), draws, warmup)
+    digest = "" if memory is None else f" of {fingerprint((residuals, starts, keys, settings))}"
+    memory, names = {} if memory is None else memory, [f"chain {number}{digest}" for number in range(chains)]
+    for name, start, own_key in zip(names, starts, keys, strict=True):
+        if name not in memory:
+            memory[name] = [np.asarray(array).tolist() for array in _chain(residuals, start, own_key, *settings)]
+    finished = zip(*(memory[name] for name in names), strict=True)
+    x, energy, diverging, rate, depth = (np.array(array) for array in finished)
     x = np.asarray(jax.nn.sigmoid(x))
     return Posterior(
         z=x,
@@ -79,8 +90,8 @@ def draw_posterior(
 
 
 @eqx.filter_jit
-def _sample(residuals, starts, keys, variance, draws: int, warmup: int):
-    """The chains one after another: side by side all would take the steps of the longest trajectory."""
+def _chain(residuals, start, key, variance, draws: int, warmup: int):
+    """One chain. Side by side with others it would take the steps of the longest trajectory."""
     import blackjax
 
     def log_density(x):
@@ -94,18 +105,14 @@ def _sample(residuals, starts, keys, variance, draws: int, warmup: int):
         slope, value = jax.jacfwd(exactly, has_aux=True)(at)
         return value + slope @ (x - at)  # the value and the gradient there, computed forward
 
-    def chain(start_and_key):
-        start, key = start_and_key
-        adapting, sampling = jax.random.split(key)
-        adaptation: Any = blackjax.window_adaptation(blackjax.nuts, log_density)
-        (state, tuned), _ = adaptation.run(adapting, start, warmup)
-        sampler: Any = blackjax.nuts(log_density, **tuned)
+    adapting, sampling = jax.random.split(key)
+    adaptation: Any = blackjax.window_adaptation(blackjax.nuts, log_density)
+    (state, tuned), _ = adaptation.run(adapting, start, warmup)
+    sampler: Any = blackjax.nuts(log_density, **tuned)
 
-        def draw(state, key):
-            state, info = sampler.step(key, state)
-            depth = info.num_trajectory_expansions
-            return state, (state.position, info.energy, info.is_divergent, info.acceptance_rate, depth)
+    def draw(state, key):
+        state, info = sampler.step(key, state)
+        depth = info.num_trajectory_expansions
+        return state, (state.position, info.energy, info.is_divergent, info.acceptance_rate, depth)
 
-        return jax.lax.scan(draw, state, jax.random.split(sampling, draws))[1]
-
-    return jax.lax.map(chain, (starts, keys))
+    return jax.lax.scan(draw, state, jax.random.split(sampling, draws))[1]

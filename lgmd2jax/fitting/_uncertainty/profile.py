@@ -1,7 +1,8 @@
 """Intervals by profile likelihood: one parameter is moved, all others are fitted anew, as in MINOS."""
 
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -31,6 +32,18 @@ class Profile:
     interval: tuple[float, float]
     is_open: tuple[bool, bool]
     limit: float
+
+    @classmethod
+    def of(cls, plain: Mapping[str, Any]) -> "Profile":
+        """From plain data, as JSON gives it back."""
+        low, high = plain["interval"]
+        below, above = plain["is_open"]
+        values, rise = (np.array(plain[name], float) for name in ("values", "rise"))
+        return cls(values, rise, (low, high), (below, above), plain["limit"])
+
+    def plain(self) -> dict[str, Any]:
+        """As plain data."""
+        return dataclasses.asdict(self) | {"values": self.values.tolist(), "rise": self.rise.tolist()}
 
 
 def rise_limit(u: Uncertainty, confidence: float) -> float:

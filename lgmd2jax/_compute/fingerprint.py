@@ -112,8 +112,8 @@ class _Walk:
         except Exception as error:
             kind = type(value).__qualname__
             raise ValueError(
-                f"the stimulus holds a {kind}, whose content cannot be told, so that no store would be known again; "
-                "let it hold plain values, or sweep without a store"
+                f"there is a {kind}, whose content cannot be told, so that finished work would not be known again; "
+                "let all hold plain values, or do without a store or memory"
             ) from error
         if isinstance(state, str):
             return _hash(_name(value), _package(value))

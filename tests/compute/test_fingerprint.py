@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import lgmd2jax as lgmd
-from lgmd2jax._sweep.fingerprint import fingerprint
+from lgmd2jax._compute.fingerprint import fingerprint
 
 LEVEL = 200.0
 
@@ -129,14 +129,17 @@ def test_a_circle_ends():
 
 
 def test_what_cannot_be_told_is_refused(tmp_path):
-    with open(tmp_path / "file", "w") as file, pytest.raises(ValueError, match="holds a TextIOWrapper, whose content"):
+    with (
+        open(tmp_path / "file", "w") as file,
+        pytest.raises(ValueError, match="there is a TextIOWrapper, whose content"),
+    ):
         fingerprint(enclosed(file))
 
 
 def test_it_is_the_same_in_another_process():
     """Order of sets and addresses of objects differ there."""
     program = (
-        "from tests.sweep.test_fingerprint import *; "
+        "from tests.compute.test_fingerprint import *; "
         "print(fingerprint([maker(200.0) for maker in MAKERS[:-4]]), fingerprint(lgmd.stimuli.looming))"
     )
     texts = [
