@@ -43,7 +43,7 @@ def sentences_of(problem: Problem, pairs) -> Sentences:
         for target, place in zip(targets, places, strict=True):
             counted = np.asarray(batch.slots[place.slot].scale[place.row] > 0)
             weights[place.slot][quotes.index(target.quote), place.row] = counted
-    counts = sum(weight.sum(axis=(1, 2)) for weight in weights)
+    counts = np.sum([weight.sum(axis=(1, 2)) for weight in weights], axis=0)
     return Sentences(quotes, [jnp.asarray(weight / counts[:, None, None]) for weight in weights])
 
 
