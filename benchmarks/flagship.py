@@ -239,8 +239,10 @@ def run(options: argparse.Namespace, seed: int, start: Sequence[Float[np.ndarray
     while time.monotonic() < end:
         if search.evolve():
             print(search.best[0], flush=True)
-        if options.table:
-            write_table(options.table, search.front)
+            if options.table:
+                write_table(options.table, search.front)
+    if options.table:
+        write_table(options.table, search.front)
     return search
 
 
