@@ -1,12 +1,14 @@
 """The exported C on this machine, beside hard.py, JAX and the numba loop, all in one run: python -m benchmarks.c_speed
 
-Every program is called once a round, one after the other, over several rounds, on one core; times are medians. Each is
-checked against `lgmd2jax.hard` first. The film has whole grey levels, as a camera gives them. The C compiler may use
-all that this processor has, as numba and XLA do: fused products, and on x86 whole vector registers, as XLA is told to.
+Every program is called once a round, one after the other, over several rounds, on one core; times are medians of
+processor time, so that other work on the machine counts little. Each is checked against `lgmd2jax.hard` first. The film
+has whole grey levels, as a camera gives them. The C compiler may use all that this processor has, as numba and XLA do:
+fused products, and on x86 whole vector registers, as XLA is told to.
 """
 
 import os
 import platform
+import time
 
 import numpy as np
 
@@ -20,7 +22,7 @@ from lgmd2jax._compute.xla import set_flags
 from lgmd2jax._handover.model_file import document
 from lgmd2jax.hard import HardLGMD2, Response, first_difference
 
-FRAMES, ROUNDS = 60, 15
+FRAMES, ROUNDS = 60, 31
 FLAGS = ("-O3", "-march=native", "-ffp-contract=fast")
 if platform.machine() == "x86_64":
     FLAGS += ("-mprefer-vector-width=512",)
@@ -51,7 +53,7 @@ def main() -> None:
     set_flags()
     print(f"cc {' '.join(FLAGS)}\nsize      program       us a frame   C takes, of its time")
     for size in (ROBOT, LARGE):
-        timings = time_together(programs(size), ROUNDS)
+        timings = time_together(programs(size), ROUNDS, clock=time.process_time)
         for name, timing in timings.items():
             print(f"{size!s:9} {name:12}{1e6 * timing.median / FRAMES:12.1f}{timings['C'].over(timing):23.2f}")
 

@@ -5,14 +5,14 @@ import re
 import shlex
 import subprocess
 import sys
+import tomllib
 
-import imageio.v3 as iio
-import numpy as np
 import pytest
 
 from lgmd2jax.cli import main
 
-README = (pathlib.Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
+ROOT = pathlib.Path(__file__).parents[1]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"```(\w+)\n(.*?)```", README, flags=re.DOTALL)
 PROGRAMS = [block for language, block in BLOCKS if language == "python"]
 COMMANDS = [line for language, block in BLOCKS if language == "sh" for line in block.splitlines() if "lgmd2jax" in line]
@@ -45,21 +45,39 @@ def test_programs_run(program, tmp_path):
 
 
 SLOW_COMMANDS = [
-    pytest.param(it, marks=pytest.mark.slow) if it.split()[1] in ("fit", "characterise") else it for it in COMMANDS
+    pytest.param(it, marks=pytest.mark.slow) if it.split()[1] in ("fit", "characterise") or " --c " in it else it
+    for it in COMMANDS
 ]
 
 
 @pytest.mark.parametrize("command", SLOW_COMMANDS)
 def test_commands_run(command, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    frames = np.full((30, 48, 120, 3), 200, np.uint8)
-    for t in range(5, 30):
-        frames[t, 24 - t // 2 : 24 + t // 2, 60 - t : 60 + t] = 20
-    iio.imwrite("crash.mp4", frames, plugin="pyav", codec="libx264", fps=30)
+    monkeypatch.setattr("lgmd2jax.alarms._decoding.cache_folder", lambda: tmp_path / "cache")
+    place = tmp_path / "clone"
+    place.mkdir()
+    (place / "stimuli").symlink_to(ROOT / "stimuli")
+    monkeypatch.chdir(place)
     assert main(shlex.split(command)[1:]) == 0, capsys.readouterr().err
-    assert len(list(tmp_path.iterdir())) > 1
+    said = capsys.readouterr().out
+    if "watch" in command:
+        assert "right on 1 of 1 clips" in said
+    else:
+        assert len(list(place.iterdir())) > 1
+
+
+def test_the_shipped_clip_and_its_labels_are_what_the_readme_shows():
+    (shown,) = (block for language, block in BLOCKS if language == "toml" and "crash.mp4" in block)
+    assert tomllib.loads(shown) == tomllib.loads((ROOT / "stimuli/crash.toml").read_text(encoding="utf-8"))
+    assert (ROOT / "stimuli/crash.mp4").stat().st_size < 50_000
+
+
+def test_what_runs_in_every_worker_prints_nothing():
+    """The workers of a cluster import the program: what it prints stands behind the guard."""
+    (program,) = (program for program in PROGRAMS if "Client(" in program)
+    before, _, _ = program.partition('if __name__ == "__main__":')
+    assert "print(" not in before
 
 
 def test_there_is_something_to_test():
     assert len(PROGRAMS) == 6
-    assert len(COMMANDS) == 6
+    assert len(COMMANDS) == 7

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import equinox as eqx
 
-from lgmd2jax import hard
+from lgmd2jax._files.atomic import read_json
 from lgmd2jax._files.catalogue import locate
 from lgmd2jax._handover.model_file import load
 from lgmd2jax._network.abstract import AbstractNetwork, AnyNetwork
@@ -28,7 +28,7 @@ def model_named(name: str) -> AbstractNetwork:
     path = model_file(name)
     if path is not None:
         model = load(path)
-        if (part := hard.read_any(path)["provenance"].get("unfinished")) is not None:
+        if (part := read_json(path)["provenance"].get("unfinished")) is not None:
             message = f"{path} is of an unfinished fit: {part} was stopped; lgmd2jax fit ... --resume goes on with it"
             warnings.warn(message, UnfinishedWarning, stacklevel=2)
         return model

@@ -27,6 +27,7 @@ from lgmd2jax.fitting._search.search import TEMPERATURES
 
 _MARKER = "lgmd2.h"
 _TEMPERATURE = TEMPERATURES[-1]  # at which fits end
+_MOST_PIXELS = 2**24  # which single precision can count
 
 
 def export_c(options: argparse.Namespace) -> None:
@@ -81,6 +82,10 @@ def _eye(own: Eye | None, options: argparse.Namespace) -> Eye:
 
 
 def _check_memory(needs: Memory, ram: int | None) -> Memory:
+    if needs.frame > _MOST_PIXELS:
+        raise ValueError(
+            f"a frame has {needs.frame:,} pixels and may have {_MOST_PIXELS:,}; give fewer --rows and --cols"
+        )
     total = needs.state + needs.frame
     if ram is not None and total > ram:
         raise ValueError(
@@ -152,13 +157,11 @@ def _changes(own: LGMD2, model: LGMD2) -> str:
 def _table(by_name: Mapping[str, Gap], films: Sequence[Film]) -> str:
     words = {"soft": f"soft, temperature {_TEMPERATURE:g}", "C": "C"}
     frames = sum(len(film.frames) for film in films)
-    lines = [
-        f"gap to the hard model over {len(films)} films, {frames:,} frames:",
-        f"  {'':22}{'largest of U':>14}{'frames with other spikes':>26}{'alarms that move':>18}  where it is largest",
-    ]
+    heading = "largest difference of U'  frames with other spikes  alarms that move  film of that difference"
+    lines = [f"gap to the hard model over {len(films)} films, {frames:,} frames:", f"  {'':22}  {heading}"]
     for name, gap in by_name.items():
-        counts = f"{gap.other_counts:26}{gap.moved_alarms:18}"
-        lines.append(f"  {words[name]:22}{gap.difference:14.2g}{counts}  {gap.film}")
+        numbers = f"{gap.difference:24.2g}{gap.other_counts:26}{gap.moved_alarms:18}"
+        lines.append(f"  {words[name]:22}  {numbers}  {gap.film}")
     return "\n".join(lines)
 
 

@@ -12,7 +12,7 @@ from lgmd2jax._files import catalogue as _catalogue
 from lgmd2jax._files.catalogue import folder, locate, results_folder
 from lgmd2jax._protocol.protocol import load_protocol
 
-LABELLED = {"video"}  # files of labelled clips, read by lgmd2jax.alarms
+LABELLED = {"crash", "video"}  # files of labelled clips, read by lgmd2jax.alarms
 SHIPPED = sorted({path.stem for path in folder("stimuli").glob("*.toml")} - LABELLED)
 
 

@@ -12,7 +12,7 @@ from lgmd2jax._schemas.check import check
 
 SHIPPED = [
     *(("recipe", path) for path in folder("fits").glob("*.toml")),
-    *(("labels" if path.stem == "video" else "protocol", path) for path in folder("stimuli").glob("*.toml")),
+    *(("labels" if path.stem in ("video", "crash") else "protocol", path) for path in folder("stimuli").glob("*.toml")),
     *(("model", path) for path in folder("fits").glob("*/model.json")),
     *(("fit", path) for path in folder("fits").glob("*/fit.json") if path.parent.name != "video"),  # that is of alarms
 ]
