@@ -83,7 +83,7 @@ class Search:
         free, observation = self.recipe.free, self.recipe.observation
         self.problem = problem_of(self.recipe.model, observation, free, self.recipe.pairs, "squares")
         self.sentences = sentences_of(self.problem, self.recipe.pairs)
-        self.start = free.place(self.recipe.model.parameters, observation)
+        self.start = free.place(lgmd.preset("lgmd2"), observation)  # the recipe sets out from what was found here
         self.cells, self.seed = cells, seed
         self.share, self.farthest = np.zeros((2, 0, len(self.sentences.quotes)))
         self.models = np.zeros((0, len(free)))
