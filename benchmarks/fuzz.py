@@ -349,8 +349,13 @@ def fuzz(kinds: list[Kind], folder: Path, count: int, seed: int = 0) -> Counter[
     outcomes: Counter[tuple[str, str]] = Counter()
 
     @hypothesis.seed(seed)
-    @hypothesis.settings(max_examples=count, deadline=None, database=None, phases=[hypothesis.Phase.generate])
-    @hypothesis.settings(suppress_health_check=list(hypothesis.HealthCheck))
+    @hypothesis.settings(
+        max_examples=count,
+        deadline=None,
+        database=None,
+        phases=[hypothesis.Phase.generate],
+        suppress_health_check=list(hypothesis.HealthCheck),
+    )
     @hypothesis.given(st.data())
     def each(data: st.DataObject) -> None:
         kind = data.draw(st.sampled_from(kinds))

@@ -171,6 +171,12 @@ def covered(
     return (u.intervals[:, 0] <= values) & (values <= u.intervals[:, 1]), u.determined & straight & within
 
 
+def _coverage(name: str, held: Bool[np.ndarray, "..."], known: Bool[np.ndarray, "..."]) -> str:
+    """How often intervals hold the truth: of parameters that are well determined, and of all."""
+    share = f"{held[known].mean():6.1%}" if known.any() else "     -"
+    return f"{name:8} covered {share} of {known.sum():4} well determined, {held.mean():6.1%} of all {held.size:4}"
+
+
 def main() -> None:
     """Run a study and print a line for each twin."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -188,8 +194,8 @@ def main() -> None:
         pairs = np.array([covered(seed, options.noise, shown, circuit, **SEARCH) for seed in seeds])
         held, known = np.moveaxis(pairs, 1, 0)
         for name, holds, judged in zip(circuit.free.names, held.T, known.T, strict=True):
-            share, count = holds[judged].mean(), judged.sum()
-            print(f"{name:8} covered {share:6.1%} of {count:3} well determined, {holds.mean():6.1%} of all")
+            print(_coverage(name, holds, judged))
+        print(_coverage("together", held, known))
         return
     thresholds = lgmd.Hard() if options.hard else lgmd.Soft(1.0)
     good = 0

@@ -85,6 +85,25 @@ plots.surface(choice, "integral", "dark or light", index="contrast")
 # index only creeps up. Table I takes theta1 = 0.
 
 # %% [markdown]
+# ## One threshold angle
+# The locust's LGMD peaks a fixed delay after the object has reached one angle, whatever its contrast and speed. Here
+# the full angle of a disc 35 ms before the peak, sought up to the end of the motion: by the paper's circuit, and by the
+# fitted one, whose inhibition codes size. `python -m benchmarks.threshold_angle` makes [a finer surface of 1,000
+# looms](../fits/lgmd2/surface.png).
+
+# %%
+fitted = lgmd.load("fits/lgmd2/model.json")
+table = lgmd.at_frame_rate(lgmd.LGMD2(eye=lgmd.Eye(48, 64, 2.0, fps=30.0)), fitted.eye.fps)
+for name, circuit in {"Table I": table, "fitted": fitted}.items():
+    shown = {"contrast": [-0.3, -0.6, -1.0], "l_over_v": [20, 40, 80], "stop_angle": 80, "channels": ["smp_adapted"]}
+    curves = lgmd.sweep(circuit, lgmd.stimuli.looming, fitted.eye, **shown).smp_adapted
+    stop = -curves.l_over_v / np.tan(np.radians(80 / 2))
+    peak_time = curves.where(curves.time <= stop).idxmax("time")
+    angle = 2 * np.degrees(np.arctan2(curves.l_over_v, 35 - peak_time))
+    print(f"{name}: {float(angle.min()):.0f} to {float(angle.max()):.0f} degrees")
+    print(angle.transpose("contrast", "l_over_v").to_pandas().round(0))
+
+# %% [markdown]
 # ## Slopes of a surface
 # `surfaces` gives the same grid as plain JAX arrays, so that a number of the whole surface has a gradient in every
 # parameter. Soft thresholds have slopes; beside them a central difference.

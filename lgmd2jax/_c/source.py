@@ -104,7 +104,7 @@ def _eye(eye: Eye | None) -> dict[str, Any]:
         raise ValueError("the model has no eye, so the size of its frames is not known; give it one: LGMD2(..., eye=)")
     degrees = "" if eye.degrees_per_pixel is None else f" of {eye.degrees_per_pixel:g} degrees"
     text = f"{eye.rows} x {eye.cols} pixels{degrees} at {eye.fps:g} frames per second"
-    return {"rows": eye.rows, "cols": eye.cols, "eye": text}
+    return {"rows": eye.rows, "cols": eye.cols, "eye": text, "interval": _literal(round(1000 / eye.fps, 1))}
 
 
 def _test_vector(vector: Mapping[str, Any]) -> dict[str, Any]:

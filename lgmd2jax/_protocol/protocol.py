@@ -44,7 +44,7 @@ def load_protocol(source: str | Path) -> Protocol:
     Placeholders in names and targets are filled by the parameters and the fields of the eye, numbers with %g;
     `{background[image]}` reaches into a table. Targets are tables under `[[condition.target]]`, none or more, or under
     `[[target]]` for all conditions: a recorded curve or spike times in a `file` beside the protocol, a `law`, or what
-    another `model` answers. `target` in lgmd2jax/_target_table.py shows all that they take.
+    another `model` answers. `target` in lgmd2jax/_protocol/target_table.py shows all that they take.
 
     **Arguments:** `source`: a path, or the bare name of a shipped protocol: `"paper"`, `"looming"`, `"robot"`, ...
 

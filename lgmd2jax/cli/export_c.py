@@ -27,6 +27,7 @@ from lgmd2jax.fitting._search.search import TEMPERATURES
 
 _MARKER = "lgmd2.h"
 _TEMPERATURE = TEMPERATURES[-1]  # at which fits end
+_MOST_PIXELS = 2**24  # which single precision can count
 
 
 def export_c(options: argparse.Namespace) -> None:
@@ -81,6 +82,10 @@ def _eye(own: Eye | None, options: argparse.Namespace) -> Eye:
 
 
 def _check_memory(needs: Memory, ram: int | None) -> Memory:
+    if needs.frame > _MOST_PIXELS:
+        raise ValueError(
+            f"a frame has {needs.frame:,} pixels and may have {_MOST_PIXELS:,}; give fewer --rows and --cols"
+        )
     total = needs.state + needs.frame
     if ram is not None and total > ram:
         raise ValueError(

@@ -83,6 +83,22 @@ def test_the_size_of_the_state_is_known_beforehand(name, tmp_path):
         assert memory(MODELS[name], rows, cols) == (int(run("./size", folder=folder)), rows * cols)
 
 
+def test_a_robot_in_cpp_can_include_it(tmp_path):
+    program = '#include "lgmd2.h"\nstatic lgmd2_state state;\nint main() { lgmd2_init(&state); return 0; }\n'
+    folder = written(tmp_path, files(PLAIN) | {"robot.cpp": program})
+    run(tool("gcc"), "-std=c99", "-c", "lgmd2.c", folder=folder)
+    run(tool("g++"), "-Wall", "-Wextra", "-Werror", "robot.cpp", "lgmd2.o", "-lm", "-o", "robot", folder=folder)
+
+
+def test_a_tool_that_must_be_there_is_no_skip(monkeypatch):
+    monkeypatch.delenv("LGMD2JAX_REQUIRE_TOOLS", raising=False)
+    with pytest.raises(pytest.skip.Exception, match="no-such-tool is not installed"):
+        tool("no-such-tool")
+    monkeypatch.setenv("LGMD2JAX_REQUIRE_TOOLS", "1")
+    with pytest.raises(pytest.fail.Exception, match="no-such-tool is not installed"):
+        tool("no-such-tool")
+
+
 def test_a_frame_below_three_rows_does_not_compile(tmp_path):
     command = (tool("gcc"), "-std=c99", "-DLGMD2_ROWS=2", "-c", "lgmd2.c")
     done = subprocess.run(command, cwd=written(tmp_path, files(PLAIN)), capture_output=True, text=True)

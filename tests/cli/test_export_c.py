@@ -148,6 +148,11 @@ REFUSALS = {
         "degrees_per_pixel is 0.0; give a positive number",
     ),
     "two rows": (("--rows", "2", "--cols", "9", "--degrees-per-pixel", "1"), {}, "rows is 2; an eye has"),
+    "too many pixels": (
+        ("--rows", "5000", "--cols", "5000", "--degrees-per-pixel", "1"),
+        {},
+        "a frame has 25,000,000 pixels and may have 16,777,216",
+    ),
     "too little RAM": (("--ram", "2000"), {}, r"the state takes [\d,]+ bytes and the frame 140, together .* 2,000"),
     "another network": ((), {"model": "preset:yue_rind"}, "the model is a YueRindLGMD1"),
     "no model": ((), {"model": "nowhere"}, "no such file: nowhere"),

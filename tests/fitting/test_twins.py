@@ -1,12 +1,14 @@
 """Known parameters come back, hard curves are met, intervals cover the truth: three sets each, many as `slow`."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
 import lgmd2jax as lgmd
-from benchmarks.twins import FREE, SEARCH, covered, eye_of, stimuli, twin
+from benchmarks.twins import FREE, SEARCH, WITH_MECHANISMS, covered, eye_of, stimuli, twin
 
-QUICK = {"pixel_points": 64, "cell_points": 512}
+QUICK: dict[str, Any] = {"pixel_points": 64, "cell_points": 512}
 
 
 @pytest.fixture(scope="module")
@@ -14,7 +16,7 @@ def shown():
     return stimuli(eye_of(4.0))
 
 
-def soft_twin(seed, shown, **settings):
+def soft_twin(seed, shown, **settings: Any):
     result = twin(seed, lgmd.Soft(1.0), shown, **settings)
     assert result.off <= 0.01, f"{result.truth} came back as {result.fit.values}"
     assert result.fit.result == "converged"
@@ -41,6 +43,12 @@ def test_hard_twins_answer_alike(shown, seed):
 @pytest.mark.slow
 def test_hard_twins_answer_alike_on_18_of_20_sets(shown):
     twins = [twin(seed, lgmd.Hard(), shown) for seed in range(20)]
+    assert sum(result.rmse <= 0.01 and result.miscounted <= 0.02 for result in twins) >= 18
+
+
+@pytest.mark.slow
+def test_hard_twins_with_all_mechanisms_answer_alike_on_18_of_20_sets(shown):
+    twins = [twin(seed, lgmd.Hard(), shown, WITH_MECHANISMS) for seed in range(20)]
     assert sum(result.rmse <= 0.01 and result.miscounted <= 0.02 for result in twins) >= 18
 
 
