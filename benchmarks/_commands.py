@@ -136,7 +136,7 @@ def commands(place: Path) -> tuple[Command, ...]:
 
     return (
         Command("fit", fit("fit", 1), ("--resume",), fit("fit", 2)),
-        Command("fit of alarms", fit("alarms", 1), ("--resume",), fit("alarms", 2)),
+        Command("alarms", fit("alarms", 1), ("--resume",), fit("alarms", 2)),
         Command("sweep", ("sweep", str(place / "sweep.toml"), "-o", "OUT/results")),
         Command("respond", ("respond", clip, *write), (), ("respond", clip, "--set", "T_sp=.65", *write)),
         Command(

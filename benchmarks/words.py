@@ -43,7 +43,7 @@ def sentences_of(problem: Problem, pairs) -> Sentences:
         for target, place in zip(targets, places, strict=True):
             counted = np.asarray(batch.slots[place.slot].scale[place.row] > 0)
             weights[place.slot][quotes.index(target.quote), place.row] = counted
-    counts = sum(weight.sum(axis=(1, 2)) for weight in weights)
+    counts = np.sum([weight.sum(axis=(1, 2)) for weight in weights], axis=0)
     return Sentences(quotes, [jnp.asarray(weight / counts[:, None, None]) for weight in weights])
 
 
@@ -83,7 +83,7 @@ class Search:
         free, observation = self.recipe.free, self.recipe.observation
         self.problem = problem_of(self.recipe.model, observation, free, self.recipe.pairs, "squares")
         self.sentences = sentences_of(self.problem, self.recipe.pairs)
-        self.start = free.place(self.recipe.model.parameters, observation)
+        self.start = free.place(lgmd.preset("lgmd2"), observation)  # the recipe sets out from what was found here
         self.cells, self.seed = cells, seed
         self.share, self.farthest = np.zeros((2, 0, len(self.sentences.quotes)))
         self.models = np.zeros((0, len(free)))

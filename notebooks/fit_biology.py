@@ -25,7 +25,7 @@ plots.targets(conditions, law)
 
 # %% [markdown]
 # What is free, and where. `None` takes the bounds that are declared with the parameter. All of these act after the
-# pixels' sums, so that the pixels are computed once; `lgmd2jax fit dcmd` frees the pixels' parameters as well.
+# pixels' sums, so that the pixels are computed once; `lgmd2jax fit dcmd` frees an exponent of the drive beside.
 
 # %%
 free = lgmd.Free(

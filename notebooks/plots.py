@@ -13,8 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from PIL import Image as Picture
 
-from lgmd2jax import Characterisation, Condition, Fit, LoomingLaw, Stimulus
-from lgmd2jax._characterise.panels import OVER
+from lgmd2jax import Condition, Fit, LoomingLaw, Stimulus
 from lgmd2jax._figures.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, STYLE, VERMILION
 from lgmd2jax._figures.sweep import surface_figure
 from lgmd2jax.fitting._curve import variance_explained
@@ -244,27 +243,4 @@ def fitted(fit: Fit, conditions: Sequence[Condition], left_out: Condition) -> Im
         axes.set(title=f"{name}, R2 {explained:.3f}", xlabel="time (ms)", xlim=(-300, 300), ylim=(0, 130))
         axes.legend(loc="upper left", fontsize=7)
     grid[0, 0].set_ylabel("spikes/s")
-    return drawn(figure)
-
-
-@style.context(STYLE)
-def gates(found: Mapping[str, Characterisation], by_contrast: Sequence[str], by_speed: Sequence[str]) -> Image:
-    """R over time for looms of several contrasts, a panel a model; and peak times over l/|v| with their lines."""
-    figure, grid = panels(1, len(by_contrast) + 1, 2.5, width_ratios=[1] * len(by_contrast) + [1.3])
-    for axes, name in zip(grid[0], by_contrast, strict=False):
-        for colour, weber in zip(ORDERED, (-0.3, -0.5, -0.7, -1.0), strict=False):
-            time, r = found[name].curves[f"dark loom at Weber {weber:g}"]
-            axes.plot(time, r, color=colour, label=f"{weber:g}")
-        axes.set(title=f"{name}: R by contrast", xlabel="time (ms)", xlim=(-700, 100), ylim=(-0.05, 1.15))
-    grid[0, 0].legend(title="Weber", loc="upper left", fontsize=7)
-    axes, key = grid[0, -1], "peak time before collision (ms)"
-    speeds = np.array(OVER[key][1], dtype=float)
-    for colour, name in zip((BLUE, VERMILION, GREEN), by_speed, strict=False):
-        times = found[name].panels[key]
-        slope, intercept = np.polyfit(speeds, times, 1)
-        axes.plot(speeds, times, "o", color=colour, markersize=4, label=name)
-        axes.plot((0, 80), (intercept, intercept + 80 * slope), color=colour, linewidth=1)
-    axes.plot((0, 80), (-18.7, 4.4 * 80 - 18.7), color=GREY, linestyle=(0, (4, 3)), label="locust")
-    axes.set(title="peak before collision (ms)", xlabel="l/|v| (ms)", ylim=(-40, 340))
-    axes.legend(loc="upper left", fontsize=7)
     return drawn(figure)

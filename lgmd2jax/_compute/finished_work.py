@@ -37,7 +37,7 @@ class FileMemory(dict[str, Any]):
 
     **Arguments:** `digest`: of all that the work depends on. `resume`: whether to keep what the file holds.
 
-    **Raises:** `ValueError` for a file with another digest, when it is to be resumed.
+    **Raises:** `ValueError` for a file with another digest, when it is to be resumed, and where the disk refuses.
     """
 
     def __init__(self, path: Path, digest: str, resume: bool):
@@ -51,6 +51,13 @@ class FileMemory(dict[str, Any]):
 
     def __setitem__(self, key: str, value: Any) -> None:
         super().__setitem__(key, value)
+        try:
+            self._write(key, value)
+        except OSError as error:
+            reason = error.strerror or str(error)
+            raise ValueError(f"cannot write {self._path}: {reason}; make room, and go on with --resume") from error
+
+    def _write(self, key: str, value: Any) -> None:
         if self._begun:
             with open(self._path, "a", encoding="utf-8") as file:
                 file.write(_line(key, value) + "\n")

@@ -61,7 +61,7 @@ def _in_all(axes: Axes, comparison: Comparison) -> None:
     """Chi2 over the number of free parameters; the key tells what else holds in all."""
     for i, (name, colour, mark) in enumerate(zip(comparison.names, COLOURS, MARKS, strict=False)):
         words = [f"{name}: R² {comparison.r2_in_all[i]:.3f}"]
-        if comparison.left_out:
+        if np.isfinite(comparison.left_out_in_mean[i]):
             words.append(f"left out {comparison.left_out_in_mean[i]:.3f}")
         if np.isfinite(comparison.bic[i]):
             words.append(f"BIC {comparison.bic[i]:.0f}")
@@ -71,6 +71,7 @@ def _in_all(axes: Axes, comparison: Comparison) -> None:
         axes.plot(*place, mark, color=colour, markersize=7, linestyle="", label=", ".join(words))
         axes.annotate(name, place, (7, 0), textcoords="offset points", va="center", fontsize=8)
     axes.set(title="χ² in all", xlabel="free parameters", ylabel="χ²", yscale="log")
-    axes.margins(x=0.2, y=0.1)
+    axes.margins(y=0.1)
+    axes.set_xlim(comparison.free.min() - 1, comparison.free.max() + 2)
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), fontsize=7.5)

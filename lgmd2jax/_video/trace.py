@@ -1,6 +1,6 @@
 """What the cell did over a clip, as a table: a row a frame, and its columns."""
 
-from collections.abc import Sequence
+import array
 from typing import NamedTuple
 
 import numpy as np
@@ -34,11 +34,23 @@ class Trace(NamedTuple):
     spikes: Int[np.ndarray, " time"]
     collision: Int[np.ndarray, " time"]
 
-    @classmethod
-    def of(cls, rows: Sequence[Row]) -> "Trace":
-        """The columns of these rows."""
-        return cls(*(np.array(column) for column in zip(*rows, strict=True)))
-
     def alarms(self) -> list[tuple[int, int]]:
         """First and last row of every stretch in which the alarm is on."""
         return stretches(self.collision > 0)
+
+
+class Rows:
+    """Rows as they come, in 64 bytes each: a clip may be hours long."""
+
+    def __init__(self):
+        self._numbers = array.array("d")
+
+    def append(self, row: Row) -> None:
+        """Add the next row."""
+        self._numbers.extend(row)
+
+    def trace(self) -> Trace:
+        """The columns of all rows."""
+        columns = dict(zip(Row._fields, np.array(self._numbers).reshape(-1, len(Row._fields)).T, strict=True))
+        counts = {name: columns[name].astype(int) for name in ("frame", "spikes", "collision")}
+        return Trace(**(columns | counts))

@@ -19,7 +19,7 @@ from lgmd2jax._video.clip import Clip, Frame, open_clip, window_of
 from lgmd2jax._video.overlay import Overlay
 from lgmd2jax._video.repeats import RULE
 from lgmd2jax._video.snapshots import Snapshots
-from lgmd2jax._video.trace import Row, Trace
+from lgmd2jax._video.trace import Row, Rows, Trace
 from lgmd2jax._video.writer import video_writer
 
 
@@ -48,7 +48,7 @@ def run(options: argparse.Namespace) -> None:
     for warning in _misfits(clip, model):
         print(f"lgmd2jax: warning: {warning}", file=sys.stderr)
 
-    rows, snapshots, start = [], Snapshots(), 0.0
+    rows, snapshots, start = Rows(), Snapshots(), 0.0
     with contextlib.ExitStack() as stack:
         files = {path: stack.enter_context(replaced(path)) for path in outputs}
         writer = csv.writer(stack.enter_context(open(files[table], "w", newline="", encoding="utf-8")))
@@ -68,7 +68,7 @@ def run(options: argparse.Namespace) -> None:
             if film is not None:
                 film.write(overlay.draw(frame, row), frame.time)
             start = start or time.perf_counter()  # the first frame compiles the model
-        trace = Trace.of(rows)
+        trace = rows.trace()
         seconds = time.perf_counter() - start
         title = f"{options.clip.name}: {_model_text(options)}, {clip.shape[0]} x {clip.shape[1]} pixels"
         response_figure(files[figure], trace, model, snapshots.chosen(), title)

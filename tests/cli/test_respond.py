@@ -18,7 +18,7 @@ from lgmd2jax._figures.response import BLUE, GREEN, SKY, VERMILION, response_fig
 from lgmd2jax._video.clip import Frame, open_clip
 from lgmd2jax._video.grey import grey
 from lgmd2jax._video.snapshots import Snapshot
-from lgmd2jax._video.trace import Trace
+from lgmd2jax._video.trace import Rows, Trace
 from lgmd2jax.cli import main
 from lgmd2jax.cli.respond import responses
 from tests.videos import damaged, write_video
@@ -67,7 +67,10 @@ def test_streaming_a_clip_is_the_whole_clip_call(folder):
     frames = jnp.stack([jnp.asarray(grey(picture)) for picture in loom()])
     for model in (lgmd.LGMD2(), lgmd.LGMD2(lgmd.preset("balanced"), n_p=1)):
         whole = model(frames, 30.0)
-        trace = Trace.of([row for _, row in responses(model, open_clip(folder, fps=30.0))])
+        rows = Rows()
+        for _, row in responses(model, open_clip(folder, fps=30.0)):
+            rows.append(row)
+        trace = rows.trace()
         for name in COLUMNS[2:]:
             np.testing.assert_array_equal(getattr(trace, name), np.asarray(getattr(whole, name)), err_msg=name)
         assert trace.collision.any()

@@ -93,10 +93,12 @@ def test_a_family_is_left_out_as_one(recipe, monkeypatch):
     fits = []
 
     class Silent:
+        result = "converged"
+
         def predict(self, stimulus, channel):
             return np.full(len(stimulus.time), 0.5)
 
-    def run(self, progress, pairs):
+    def run(self, progress, memory, pairs):
         fits.append([stimulus.name for stimulus, _ in pairs])
         return Silent()
 

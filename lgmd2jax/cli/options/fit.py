@@ -23,7 +23,9 @@ A recipe is a TOML file:
   k = {}                              # between the default bounds
   tau3 = { low = 100, high = 1000 }
 
-Ctrl-C ends the search and writes the best so far. The folder then holds
+The fit is written before profiles, leave-one-out and draws, which are added one by one; fit.json and the report say
+what is still to come. Ctrl-C ends the search and writes the best so far, but not over finished results. The folder
+then holds
   model.json        the fitted model with hard thresholds, for lgmd2jax export and --model
   report.html       all results on one page; report.txt as text
   fit.json          values, errors, intervals, every start, versions
@@ -44,7 +46,11 @@ def add(commands: argparse._SubParsersAction) -> None:
         epilog=_EXAMPLES,
     )
     add_recipe(parser)
-    parser.add_argument("--resume", action="store_true", help="keep the starts that an earlier run has finished")
+    parser.add_argument(
+        "--resume",
+        action="store_true",
+        help="go on where an earlier run was stopped or killed",
+    )
     parser.add_argument(
         "--mechanisms",
         nargs="*",

@@ -1,0 +1,86 @@
+"""What each command does where it cannot write: on a small disk that is full, and on one that is mounted read-only.
+
+python -m benchmarks.full_disk     as root on Linux, since it mounts a disk of 1 MB in memory
+
+Of every command is asked: an exit status of 1, one line, no traceback, the earlier results as they were, and nothing
+half written. A command that fits into what is left of the disk may succeed; then its results must be there.
+"""
+
+import contextlib
+import os
+import subprocess
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+from benchmarks._commands import Runner, commands
+from benchmarks.kills import files_of
+
+_LEFT = (0, 12_000)  # bytes of the disk
+
+
+@contextlib.contextmanager
+def _mounted(disk: Path) -> Iterator[None]:
+    disk.mkdir(exist_ok=True)
+    subprocess.run(["mount", "-t", "tmpfs", "-o", "size=1m", "tmpfs", str(disk)], check=True)
+    try:
+        yield
+    finally:
+        subprocess.run(["umount", str(disk)], check=True)
+
+
+def _fill(disk: Path, left: int) -> None:
+    """Write a file that leaves this many bytes of the disk."""
+    size = os.statvfs(disk).f_bavail * os.statvfs(disk).f_frsize
+    (disk / "filler").write_bytes(bytes(max(0, size - left)))
+
+
+def _faults(status: int, said: str, before: dict[str, bytes], after: dict[str, bytes]) -> list[str]:
+    last = [line for line in said.splitlines() if line.startswith("lgmd2jax: ") and "warning" not in line]
+    faults = []
+    if status == 0:
+        return [] if set(after) > set(before) else ["it says that all is well, but nothing was written"]
+    if status != 1 or len(last) != 1 or "Traceback" in said:
+        faults.append(f"exit status {status}, said {said[-200:]!r}")
+    if any(after.get(name) != content for name, content in before.items()):
+        faults.append("earlier files are other ones")
+    new = [name for name in after if name not in before and not name.startswith("results/sweep.zarr/")]
+    unfinished = b'"unfinished": []' not in after.get("results/fit.json", b'"unfinished": []')
+    if new and not unfinished:
+        faults.append(f"half written: {', '.join(new)}")
+    return faults
+
+
+def main() -> None:
+    """Run every command on a full disk and on a read-only one."""
+    bad = 0
+    with tempfile.TemporaryDirectory(prefix="disk-") as name:
+        place = Path(name)
+        os.environ |= {"XDG_CACHE_HOME": str(place / "cache"), "JAX_PLATFORMS": "cpu"}
+        runner, disk, log = Runner(), place / "disk", place / "log.txt"
+        for command in commands(place):
+            for what in (*_LEFT, "read-only"):
+                with _mounted(disk):
+                    if isinstance(what, int):
+                        _fill(disk, what)
+                    else:
+                        subprocess.run(["mount", "-o", "remount,ro", str(disk)], check=True)
+                    before = files_of(disk)
+                    status, _ = runner.run(command.at(disk), log)
+                    after, said = files_of(disk), log.read_text()
+                    hidden = [str(path.relative_to(disk)) for path in disk.rglob(".*")]
+                faults = _faults(status, said, before, after)
+                kept = [name for name in hidden if not name.endswith(".starts.jsonl")]
+                faults += [f"left over: {', '.join(kept)}"] if kept else []
+                bad += bool(faults)
+                words = what if isinstance(what, str) else f"{what} bytes left"
+                line = said.strip().splitlines()[-1] if said.strip() else ""
+                print(f"{command.name:14} {words:17} status {status}: {line}", flush=True)
+                for fault in faults:
+                    print(f"    FAULT: {fault}", flush=True)
+    print(f"{bad} with faults")
+    raise SystemExit(bool(bad))
+
+
+if __name__ == "__main__":
+    main()
