@@ -6,7 +6,7 @@ python -m benchmarks.kills --only sweep respond   some of fit, alarms, sweep, re
 
 Each trial begins with earlier results of the same kind in place, or with none. After the kill every file must be the
 earlier one, the new one, or part of a folder that is marked unfinished and loads; then the command is run again to its
-end, and all of its files must be those of an undisturbed run, to the byte.
+end, and all of its files must be those of an undisturbed run: to the byte, but for videos.
 """
 
 import argparse
@@ -20,6 +20,7 @@ import warnings
 from collections.abc import Mapping
 from pathlib import Path
 
+import av
 import xarray
 from tqdm import tqdm
 
@@ -30,7 +31,11 @@ Files = Mapping[str, bytes]
 
 
 def files_of(folder: Path) -> dict[str, bytes]:
-    """The content of all files by name, hidden ones left out; of fit.json all but when and how fast."""
+    """The content of all files by name, hidden ones left out.
+
+    Of fit.json all counts but when and how fast, of a video the time stamps of the frames that can be decoded: on a
+    busy machine the encoder's threads make other bytes of the same pictures.
+    """
     files = {}
     for path in sorted(folder.rglob("*")):
         name = path.relative_to(folder).as_posix()
@@ -38,6 +43,9 @@ def files_of(folder: Path) -> dict[str, bytes]:
             files[name] = path.read_bytes()
             if path.name == "fit.json":
                 files[name] = json.dumps({**json.loads(files[name]), "made": None}).encode()
+            if path.suffix == ".mp4":
+                with av.open(str(path)) as container:
+                    files[name] = repr([frame.pts for frame in container.decode(video=0)]).encode()
     return files
 
 

@@ -79,6 +79,12 @@ def test_a_huge_number_is_shown_short():
     assert len(str(caught.value)) < 120
 
 
+def test_a_long_value_is_cut():
+    with pytest.raises(ValueError, match=r"^count = \[\[\[.*\.\.\.: must be a whole number$") as caught:
+        check(SCHEMA, {"count": [[[100 + i for i in range(9)]] * 9] * 9})
+    assert len(str(caught.value)) < 200
+
+
 def test_three_faults_are_told_and_the_others_counted():
     with pytest.raises(ValueError, match=r"; and 1 more$") as caught:
         check(SCHEMA, {"count": "a", "size": "b", "flag": "c", "word": 4})
