@@ -3,6 +3,7 @@
 import dataclasses
 import multiprocessing
 import os
+import signal
 import sys
 import time
 from collections.abc import Sequence
@@ -194,5 +195,6 @@ def _run(arguments: tuple[str, ...], log: Path) -> None:
         os.dup2(file.fileno(), 2)
     from lgmd2jax.cli import main
 
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # which a job in the background ignores otherwise
     sys.argv = ["lgmd2jax", *arguments]
     sys.exit(main())
