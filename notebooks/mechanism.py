@@ -28,7 +28,6 @@ eye = lgmd.Eye(rows=48, cols=64, degrees_per_pixel=2.0, fps=100.0)
 # frame at which a loom of contrast -.9 at 40 ms passes 35 degrees. At 10 ms the delays, some tens of ms, count too.
 
 # %%
-WINDOW = {"start_ms": -1700.0, "end_ms": 100.0}
 CONTRASTS, SPEEDS = (-0.3, -0.5, -0.7, -0.9), (10.0, 20.0, 40.0, 80.0)
 circuits = {
     "mean |P|, the paper's": lgmd.LGMD2(eye=eye),
@@ -39,7 +38,14 @@ circuits = {
 def course(model, contrast, l_over_v):
     """The angle of the disc and the delayed inhibition at each frame of its approach."""
     disc = lgmd.stimuli.looming(
-        eye, l_over_v=l_over_v, contrast=contrast, background=200.0, start_angle=6.0, stop_angle=80.0, **WINDOW
+        eye,
+        l_over_v=l_over_v,
+        contrast=contrast,
+        background=200.0,
+        start_angle=6.0,
+        stop_angle=80.0,
+        start_ms=-1700.0,
+        end_ms=100.0,
     )
     ffi = np.asarray(model(disc.frames, eye.fps).ffi)
     before = np.asarray(disc.time) < 0

@@ -153,7 +153,7 @@ def test_other_bounds_priors_and_factors_compile_nothing(looms):
     """A trace comes before every compilation; JAX tells of each."""
     traces = []
 
-    def listen(event: str, duration: float, **kwargs: str | int):
+    def listen(event: str, duration_secs: float, **kwargs: str | int):
         if event == "/jax/core/compile/jaxpr_trace_duration":
             traces.append(kwargs.get("fun_name"))
 
