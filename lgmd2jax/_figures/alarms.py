@@ -9,7 +9,7 @@ from matplotlib.patches import Patch
 
 from lgmd2jax._figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, drawn
 from lgmd2jax._signals import stretches
-from lgmd2jax.alarms import Evaluation, LabelledClip, Verdict
+from lgmd2jax.alarms import ClipLabels, Evaluation, LabelledClip, Verdict
 from lgmd2jax.alarms._report import headline
 
 _LINES = 30  # clips at most
@@ -95,7 +95,8 @@ def worst_figure(path: str | os.PathLike, watch: Evaluation) -> None:
             places = _moments(clip, trace)
             for column, place in enumerate(places):
                 axes = figure.add_subplot(grid[2 * row, column])
-                axes.imshow(clip.frames[place], cmap="gray", vmin=0, vmax=255, aspect="equal")
+                if isinstance(clip, LabelledClip):
+                    axes.imshow(clip.frames[place], cmap="gray", vmin=0, vmax=255, aspect="equal")
                 axes.set_title(f"{clip.time[place] / 1000:.2f} s", fontsize=7, pad=2)
                 axes.set_axis_off()
             axes = figure.add_subplot(grid[2 * row + 1, :])
@@ -117,18 +118,18 @@ def worst_figure(path: str | os.PathLike, watch: Evaluation) -> None:
                 axes.set_xlabel("time (s); green: an alarm is wanted, grey: silence; dashed: T_sp")
 
 
-def _by_margin(watch: Evaluation) -> list[tuple[LabelledClip, np.ndarray, Verdict]]:
+def _by_margin(watch: Evaluation) -> list[tuple[ClipLabels, np.ndarray, Verdict]]:
     rows = list(zip(watch.clips, watch.evidence, watch.verdicts(), strict=True))
     return sorted(rows, key=lambda row: (row[2].right, np.nan_to_num(row[2].margin, nan=np.inf)))
 
 
-def _bars(axes: Axes, clip: LabelledClip, on: np.ndarray, y: int, colour: str, alpha: float, height: float) -> None:
+def _bars(axes: Axes, clip: ClipLabels, on: np.ndarray, y: int, colour: str, alpha: float, height: float) -> None:
     half = 500 / clip.fps
     spans = [((clip.time[a] - half) / 1000, (clip.time[b] - clip.time[a] + 2 * half) / 1000) for a, b in stretches(on)]
     axes.broken_barh(spans, (y - height / 2, height), color=colour, alpha=alpha, linewidth=0)
 
 
-def _moments(clip: LabelledClip, trace: np.ndarray) -> np.ndarray:
+def _moments(clip: ClipLabels, trace: np.ndarray) -> np.ndarray:
     """Frames that tell the story: evenly spread, with the one of the strongest evidence that is judged."""
     places = np.linspace(0, len(trace) - 1, _PICTURES).round().astype(int)
     judged = clip.in_silence() | clip.in_windows().any(axis=0)

@@ -1,4 +1,4 @@
-"""A clip as a whole, decoded: what a fit or an evaluation sees of it."""
+"""A clip as a whole: the clock of its frames, and the decoded frames that a fit sees."""
 
 import dataclasses
 
@@ -7,8 +7,8 @@ from jaxtyping import Float, Float32, Int
 
 
 @dataclasses.dataclass(frozen=True)
-class Recording:
-    """The grey frames of a clip, perhaps without its repeated ones.
+class Timeline:
+    """When the frames of a clip are shown, perhaps without its repeated ones.
 
     - `index`, `time`: where each frame stands in the file, and when, in ms.
     - `interval`: ms since the frame before, for the model's time constants.
@@ -16,7 +16,6 @@ class Recording:
     - `count`: how many frames the file holds, repeated ones included.
     """
 
-    frames: Float32[np.ndarray, "time row col"]
     index: Int[np.ndarray, " time"]
     time: Float[np.ndarray, " time"]
     interval: Float[np.ndarray, " time"]
@@ -30,3 +29,10 @@ class Recording:
     def frame_at(self, time: float) -> int:
         """The frame of the file that is nearest to a time, within the clip."""
         return round(float(np.interp(time, self.time, self.index)))
+
+
+@dataclasses.dataclass(frozen=True)
+class Recording(Timeline):
+    """The grey frames of a clip with their times, perhaps without its repeated ones."""
+
+    frames: Float32[np.ndarray, "time row col"]

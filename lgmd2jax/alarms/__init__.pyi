@@ -1,5 +1,5 @@
 # The public names. `__init__.py` loads each of them when it is first used.
-from ._clip import LabelledClip as LabelledClip
+from ._clip import ClipLabels as ClipLabels, LabelledClip as LabelledClip
 from ._evaluation import (
     Evaluation as Evaluation,
     HeldOutScores as HeldOutScores,

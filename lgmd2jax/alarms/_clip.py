@@ -11,11 +11,10 @@ Stretch = tuple[int, int]  # first and last frame, as they are counted in the fi
 
 
 @dataclasses.dataclass(frozen=True)
-class LabelledClip:
-    """A clip with the stretches in which an alarm is wanted, or silence. Frames that lie in neither are not judged.
+class ClipLabels:
+    """The stretches of a clip in which an alarm is wanted, or silence. Frames that lie in neither are not judged.
 
     - `name`: of the clip.
-    - `frames`: grey levels 0..255; 8-bit integers where they are whole.
     - `fps`: frames per second, after repeated frames were dropped.
     - `index`, `time`: where each frame stands in the file, and when, in ms.
     - `interval`: ms since the frame before, for the model's time constants.
@@ -25,7 +24,6 @@ class LabelledClip:
     """
 
     name: str
-    frames: Real[np.ndarray, "time row col"]
     fps: float
     index: Int[np.ndarray, " time"]
     time: Float[np.ndarray, " time"]
@@ -33,6 +31,42 @@ class LabelledClip:
     windows: tuple[Stretch, ...] = ()
     silent: tuple[Stretch, ...] = ()
     contact: int | None = None
+
+    def in_windows(self) -> Bool[np.ndarray, "window time"]:
+        """Which frames lie in each window."""
+        return np.array([self._within(window) for window in self.windows], bool).reshape(
+            len(self.windows), len(self.index)
+        )
+
+    def in_silence(self) -> Bool[np.ndarray, " time"]:
+        """Which frames must be silent."""
+        return np.any([np.zeros(len(self.index), bool), *(self._within(stretch) for stretch in self.silent)], axis=0)
+
+    @property
+    def contact_ms(self) -> float | None:
+        """When something is hit, in ms, perhaps after the clip's end."""
+        if self.contact is None:
+            return None
+        beyond = max(self.contact - int(self.index[-1]), 0) * 1000 / self.fps
+        return float(np.interp(self.contact, self.index, self.time)) + beyond
+
+    @property
+    def silent_minutes(self) -> float:
+        """How long the clip must be silent."""
+        return float(self.interval[self.in_silence()].sum()) / 60_000
+
+    def _within(self, stretch: Stretch) -> Bool[np.ndarray, " time"]:
+        return (self.index >= stretch[0]) & (self.index <= stretch[1])
+
+
+@dataclasses.dataclass(frozen=True)
+class LabelledClip(ClipLabels):
+    """A clip with its labels, whose fields are those of `ClipLabels`, and
+
+    - `frames`: grey levels 0..255; 8-bit integers where they are whole.
+    """
+
+    frames: Real[np.ndarray, "time row col"] = dataclasses.field(kw_only=True)
 
     @classmethod
     def of(
@@ -66,38 +100,36 @@ class LabelledClip:
             usual = 1000.0 / fps
             interval = np.full(len(index), usual) if time is None else np.diff(time, prepend=time[0] - usual)
         time = index * (1000.0 / fps) if time is None else time
-        check_stretches(name, int(index[-1]) if count is None else count - 1, {"alarm": windows, "silent": silent})
-        clip = cls(name, frames, float(fps), index, time, interval, _pairs(windows), _pairs(silent), contact)
-        for window, inside in zip(clip.windows, clip.in_windows(), strict=True):
-            if not inside.any():
-                raise ValueError(f"{name}: alarm {window[0]} to {window[1]} holds repeated frames alone; widen it")
-        return clip
+        count = int(index[-1]) + 1 if count is None else count
+        labels = labels_of(name, fps, index, time, interval, count, windows=windows, silent=silent, contact=contact)
+        return cls(**vars(labels), frames=frames)
 
-    def in_windows(self) -> Bool[np.ndarray, "window time"]:
-        """Which frames lie in each window."""
-        return np.array([self._within(window) for window in self.windows], bool).reshape(
-            len(self.windows), len(self.index)
-        )
 
-    def in_silence(self) -> Bool[np.ndarray, " time"]:
-        """Which frames must be silent."""
-        return np.any([np.zeros(len(self.index), bool), *(self._within(stretch) for stretch in self.silent)], axis=0)
+def labels_of(
+    name: str,
+    fps: float | int,
+    index: Int[np.ndarray, " time"],
+    time: Float[np.ndarray, " time"],
+    interval: Float[np.ndarray, " time"],
+    count: int,
+    *,
+    windows: Sequence[Sequence[int]] = (),
+    silent: Sequence[Sequence[int]] = (),
+    contact: int | None = None,
+) -> ClipLabels:
+    """The labels of a clip, checked.
 
-    @property
-    def contact_ms(self) -> float | None:
-        """When something is hit, in ms, perhaps after the clip's end."""
-        if self.contact is None:
-            return None
-        beyond = max(self.contact - int(self.index[-1]), 0) * 1000 / self.fps
-        return float(np.interp(self.contact, self.index, self.time)) + beyond
+    **Arguments:** as the fields of `ClipLabels`; stretches are pairs of first and last frame. `count`: how many frames
+    the file holds, repeated ones included.
 
-    @property
-    def silent_minutes(self) -> float:
-        """How long the clip must be silent."""
-        return float(self.interval[self.in_silence()].sum()) / 60_000
-
-    def _within(self, stretch: Stretch) -> Bool[np.ndarray, " time"]:
-        return (self.index >= stretch[0]) & (self.index <= stretch[1])
+    **Raises:** `ValueError` for stretches that are reversed, overlap, lie outside of the clip or hold repeats alone.
+    """
+    check_stretches(name, count - 1, {"alarm": windows, "silent": silent})
+    labels = ClipLabels(name, float(fps), index, time, interval, _pairs(windows), _pairs(silent), contact)
+    for window, inside in zip(labels.windows, labels.in_windows(), strict=True):
+        if not inside.any():
+            raise ValueError(f"{name}: alarm {window[0]} to {window[1]} holds repeated frames alone; widen it")
+    return labels
 
 
 def _pairs(stretches: Sequence[Sequence[int]]) -> tuple[Stretch, ...]:

@@ -12,7 +12,7 @@ from jaxtyping import Array, Float
 
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._signals import stretches
-from lgmd2jax.alarms._clip import LabelledClip, Stretch
+from lgmd2jax.alarms._clip import ClipLabels, LabelledClip, Stretch
 from lgmd2jax.alarms._clip_batch import ClipBatch, batches_of
 
 
@@ -61,7 +61,7 @@ class Evaluation:
     `T_sp`: the model's own.
     """
 
-    clips: tuple[LabelledClip, ...]
+    clips: tuple[ClipLabels, ...]
     evidence: tuple[Float[np.ndarray, " _time"], ...]
     T_sp: float
 
@@ -143,7 +143,7 @@ def _traces(model: LGMD2, batch: ClipBatch, N_sp: int) -> Float[Array, "clip tim
     return batch.traces(model, batch.sums(model), N_sp)
 
 
-def _verdict(clip: LabelledClip, trace: np.ndarray, T_sp: float) -> Verdict:
+def _verdict(clip: ClipLabels, trace: np.ndarray, T_sp: float) -> Verdict:
     on, silence, inside = trace >= T_sp, clip.in_silence(), clip.in_windows()
     margins = [float(trace[window].max()) - T_sp for window in inside]
     if silence.any():

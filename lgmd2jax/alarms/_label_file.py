@@ -8,18 +8,22 @@ from typing import Any, NamedTuple
 
 import jax
 import numpy as np
+from jaxtyping import Float
 
 from lgmd2jax._eye import Eye
 from lgmd2jax._files.catalogue import read_named
+from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._protocol.protocol import eye_of
 from lgmd2jax._schemas.check import check
 from lgmd2jax._schemas.labels import LABELS
 from lgmd2jax._signals import stretches
 from lgmd2jax._video.clip import Clip, open_clip, window_of
-from lgmd2jax._video.recording import Recording
+from lgmd2jax._video.recording import Timeline
 from lgmd2jax._words import is_refusal, within
-from lgmd2jax.alarms._clip import LabelledClip, check_stretches
+from lgmd2jax.alarms._clip import ClipLabels, LabelledClip, check_stretches, labels_of
 from lgmd2jax.alarms._decoding import decode
+from lgmd2jax.alarms._evaluation import Evaluation, evaluate
+from lgmd2jax.alarms._streaming import streamed_evidence
 from lgmd2jax.stimuli import Encounter, encounters
 
 _SETTLE = 10  # frames at the beginning of a clip that are not judged: the network comes to rest
@@ -92,6 +96,23 @@ class LabelFile:
         with within(f"{self.folder / self.name}.toml"):
             sources = [*self._opened(), *([] if self.rendered is None else [self.rendered])]
             return tuple(clip for source in progress(sources) for clip in self._clips_of(source))
+
+    def evaluate(self, model: LGMD2) -> Evaluation:
+        """Run a model over all clips, recorded ones first, as `evaluate(model, file.load())` does.
+
+        Recorded clips are decoded while they are judged, so that memory does not grow with their length. The
+        evaluation holds their labels, and no frames.
+
+        **Raises:** `ValueError` that names all clips whose files or labels are wrong.
+        """
+        with within(f"{self.folder / self.name}.toml"):
+            streamed = [clip.judged(model) for clip in self._opened()]
+            rendered = () if self.rendered is None else tuple(self.rendered.clips(self.eye))
+        clips, traces = zip(*streamed, strict=True) if streamed else ((), ())
+        if not rendered:
+            return Evaluation(clips, traces, float(model.parameters.T_sp))
+        others = evaluate(model, rendered)
+        return Evaluation((*clips, *others.clips), (*traces, *others.evidence), others.T_sp)
 
     def _clips_of(self, source: "_Opened | Rendering") -> Iterator[LabelledClip]:
         if isinstance(source, Rendering):
@@ -211,11 +232,25 @@ class _Opened(NamedTuple):
             if not before[0] > before[1]:
                 raise ValueError(f"{name}: before_ms is {before!r}; give two times before contact, as [1000, 0]")
 
+    @property
+    def drops_duplicates(self) -> bool:
+        """Whether repeated frames are left out."""
+        return bool(self.table.get("drop_duplicates", False))
+
     def labelled(self) -> LabelledClip:
         """The clip with its labels, decoded."""
+        options = self.table.get("white"), self.table.get("until_damage")
+        film = decode(self.clip, self.place, self.drops_duplicates, options)
+        return LabelledClip(**vars(self._labels(film)), frames=film.frames)
+
+    def judged(self, model: LGMD2) -> tuple[ClipLabels, Float[np.ndarray, " time"]]:
+        """The labels of the clip, and the evidence for an alarm in each of its frames, which are let go one by one."""
+        clip = self.clip.without_repeats() if self.drops_duplicates else self.clip
+        film, trace = streamed_evidence(model, clip)
+        return self._labels(film), trace
+
+    def _labels(self, film: Timeline) -> ClipLabels:
         table = self.table
-        options = table.get("white"), table.get("until_damage")
-        film = decode(self.clip, self.place, bool(table.get("drop_duplicates", False)), options)
         self.check_labels(film.count)
         contact, windows, silent = table.get("contact"), table.get("alarm", []), table.get("silent")
         if contact is not None and "before_ms" in table:
@@ -226,11 +261,10 @@ class _Opened(NamedTuple):
                 grace = film.frame_at(film.time_of(contact) + table.get("grace_ms", _GRACE_MS))
             silent = _rest(windows, table.get("settle", _SETTLE), contact, grace, film.count - 1)
         labels = {"windows": windows, "silent": silent, "contact": contact}
-        times = {"index": film.index, "time": film.time, "interval": film.interval, "count": film.count}
-        return LabelledClip.of(self.name, film.frames, film.fps, **labels, **times)
+        return labels_of(self.name, film.fps, film.index, film.time, film.interval, film.count, **labels)
 
 
-def _before(before: list, contact: int, film: Recording) -> tuple[int, int]:
+def _before(before: list, contact: int, film: Timeline) -> tuple[int, int]:
     first, last = (film.frame_at(film.time_of(contact) - lead) for lead in before)
     return first, last
 

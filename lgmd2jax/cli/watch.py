@@ -8,7 +8,7 @@ from lgmd2jax._files.atomic import replaced
 from lgmd2jax._handover.named import model_named, with_parameters
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._reports.section import as_text
-from lgmd2jax.alarms import evaluate, load_labels
+from lgmd2jax.alarms import load_labels
 from lgmd2jax.alarms._report import clip_section, write_table
 
 
@@ -32,7 +32,7 @@ def run(options: argparse.Namespace) -> None:
     outputs = [path for path in (options.csv, options.figure) if path]
     with contextlib.ExitStack() as stack:
         files = {path: stack.enter_context(replaced(path)) for path in outputs}
-        evaluation = evaluate(model, file.load())
+        evaluation = file.evaluate(model)
         if options.csv:
             write_table(files[options.csv], evaluation.verdicts())
         if options.figure:
