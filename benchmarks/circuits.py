@@ -1,6 +1,7 @@
 """What each mechanism buys: circuits with and without them, fitted to the same data and held side by side.
 
-python -m benchmarks.circuits fits/dcmd.toml -o results/circuits
+python -m benchmarks.circuits fits/circuits_dcmd.toml -o results/circuits_dcmd
+python -m benchmarks.circuits fits/circuits_lgmd2.toml -o results/circuits_lgmd2
 
 The fits go into folders of the circuits' names; those that are there already are kept. Circuits with a lag are left out
 where the latency of the observation is free, since rates tell the two apart by nothing.

@@ -17,6 +17,7 @@ SEEN = lgmd.Eye(rows=20, cols=36, degrees_per_pixel=1.95, fps=30)
 FILM = lgmd.Eye(4 * SEEN.rows, 4 * SEEN.cols, SEEN.degrees_per_pixel / 4, 24)
 START_MS, END_MS, ALARM_MS = -4000, 500, -1000
 LABELS = """\
+#:schema ../lgmd2jax/schemas/labels.json
 # A rendered collision, for a first look: made by `python -m benchmarks.crash_clip`.
 [eye]                       # what clips are resized to: here to the scale of the rendered ones
 rows = 20

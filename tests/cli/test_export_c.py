@@ -172,16 +172,16 @@ def test_a_mistake_is_one_line_and_leaves_nothing(export, tmp_path, name):
 
 def test_a_corrupt_model_is_one_line_and_leaves_nothing(export, original, tmp_path):
     damaged = tmp_path / "damaged.json"
-    for text in (
-        original.read_text().replace('"k": 4.0', '"k": 5.0'),
-        original.read_text()[:200],
-        '{"format": "onnx"}',
+    for text, message in (
+        (original.read_text().replace('"k": 4.0', '"k": 5.0'), "is not a hand-over file"),
+        (original.read_text()[:200], "is not a JSON file"),
+        ('{"format": "onnx"}', "is not a hand-over file"),
     ):
         damaged.write_text(text)
         status, out, err = export(model=damaged)
         assert (status, out) == (1, "")
         assert err.count("\n") == 1
-        assert "damaged.json is not a hand-over file" in err
+        assert f"damaged.json {message}" in err
         assert not (tmp_path / "robot").exists()
 
 

@@ -180,6 +180,7 @@ def test_ctrl_c_while_modules_load_is_one_line(module, tmp_path):
     """Amid the set-up of an extension module an exception would be lost or crash the process."""
     program = f"""
 import os, signal, sys
+signal.signal(signal.SIGINT, signal.default_int_handler)  # which a job in the background ignores
 
 class Hand:
     def find_spec(name, *_):

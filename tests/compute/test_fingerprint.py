@@ -155,7 +155,8 @@ def test_it_is_the_same_in_another_process():
     assert texts[0] == texts[1] != ""
 
 
-def test_the_store_of_another_factory_is_refused(eye, tmp_path):
+def test_the_store_of_another_factory_is_refused(tmp_path):
+    eye = lgmd.Eye(rows=10, cols=13, degrees_per_pixel=7.0, fps=50.0)
     axis: dict[str, Any] = {"contrast": [-0.9, -0.5]}
     first = lgmd.sweep(lgmd.LGMD2(), enclosed(200.0), eye, **axis, store=tmp_path / "sweep.zarr").load()
     with pytest.raises(ValueError, match=r"sweep\.zarr holds another sweep"):

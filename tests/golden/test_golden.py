@@ -28,11 +28,12 @@ LAST_OF_NINE_DIGITS = 2e-8
 # What is meant to be other than it was: by case, the names that contain one of these.
 SUPERSEDED = {
     "model_files": ("/keys",),  # version 2 names its network
-    "fit_hard": ("confidence",),  # was always .95
+    "fit_hard": ("confidence", "summary"),  # was always .95; reports grade the targets
     # Widths of mechanisms that came later, version 2 of the model, the rules of samples and errors, digests of stimuli,
-    # and in the table of curves the error of each frame.
-    "fit_soft_and_its_files": ("confidence", "/widths/keys", "model.json/keys", "/stats/keys", "curves.csv/header"),
-    "files_of_version_1": ("confidence",),
+    # in the table of curves the error of each frame, grades of targets, and what of a fit is still to come.
+    "fit_soft_and_its_files": ("confidence", "/keys", "curves.csv/header", "report.txt", "summary"),
+    "files_of_version_1": ("confidence", "summary"),
+    "alarms_fitted": ("summary",),  # Table I is scored with its own N_ts
     # The error over few animals is drawn towards the Poisson error; values further apart than the frames count once.
     "targets": ("trains: sem", "interpolated: weight"),
     "response_tables": ("without repeats.csv", "Yue & Rind.csv", "from a file.csv"),  # clips are scaled by area means

@@ -5,9 +5,12 @@ import warnings
 import numpy as np
 import pandas as pd
 import pytest
+from pydantic import TypeAdapter
 
 import lgmd2jax as lgmd
 from lgmd2jax._protocol.target_table import target
+from lgmd2jax._schemas.check import check
+from lgmd2jax._schemas.protocol import TARGET
 
 TIME = np.arange(-50.0, 60.0, 10.0)
 TABLE = pd.DataFrame({"time_ms": TIME, "rate": np.round(np.sin(TIME / 30), 4), "sem": 0.5})
@@ -183,10 +186,10 @@ def test_a_protocol_says_the_same(write, tmp_path):
     assert isinstance(read, lgmd.SpikeTrains)
     assert read.trials == [[[21.0, 41.0, 90.0], [22.0, 42.0, 90.0]]]
     for wrong, message in (
-        ({"where": 3}, "where is 3; give a table of texts and numbers"),
-        ({"where": {"v": [1]}}, "give a table of texts and numbers"),
-        ({"column": [1]}, r"column is \[1\]; give a list of texts"),
-        ({"interpolate": 1}, "interpolate is 1; give true or false"),
+        ({"where": 3}, "where = 3: must be a table"),
+        ({"where": {"v": [1]}}, r"where\.v = \[1\]: must be a number"),
+        ({"column": [1]}, r"column\[0\] = 1: must be a text"),
+        ({"interpolate": 1}, "interpolate = 1: must be true or false"),
     ):
         with pytest.raises(ValueError, match=message):
-            target(table | wrong, tmp_path)
+            check(TypeAdapter(TARGET), table | wrong)
