@@ -378,6 +378,8 @@ def main() -> None:
             ("documents", document_kinds, options.documents),
             ("pictures and clips", picture_kinds, options.pictures),
         ):
+            if not count:
+                continue
             folder = Path(place) / what.partition(" ")[0]
             folder.mkdir()
             start = time.monotonic()

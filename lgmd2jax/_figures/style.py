@@ -17,6 +17,7 @@ BLUE, SKY, GREEN, ORANGE, VERMILION, PURPLE = "#0072B2", "#56B4E9", "#009E73", "
 COLOURS, MARKS = (BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, BLACK), "os^Dv<>"
 
 STYLE = {
+    "agg.path.chunksize": 5000,  # points: a noisy curve drawn in one go takes 2 kB for each of them
     "axes.axisbelow": True,
     "axes.grid": True,
     "axes.labelsize": 9,
