@@ -74,7 +74,7 @@ def measure(model: lgmd.LGMD2) -> Footprint:
         for path, text in sources(model, json.loads(json.dumps(document(model)))["test_vector"]).items():
             (folder / path).parent.mkdir(exist_ok=True)
             (folder / path).write_text(text)
-        sizes = _run(folder, "make robot")
+        sizes = _run(folder, "make --no-print-directory robot")
         text, data, bss = map(int, sizes.splitlines()[-1].split()[:3])
         return Footprint(text + data, data + bss, *_emulated(folder))
 
