@@ -26,6 +26,11 @@ def warn_renamed(old: str, new: str) -> None:
     warnings.warn(f"{old} is now {new}; the old name will be removed", DeprecationWarning, stacklevel=3)
 
 
+def warn_unfinished(sentence: str, stacklevel: int) -> None:
+    """Warn that results are not whole yet, and say how to go on. `stacklevel`: as of `warnings.warn`, from here."""
+    warnings.warn(f"{sentence}; lgmd2jax fit ... --resume goes on with it", UnfinishedWarning, stacklevel=stacklevel)
+
+
 def is_refusal(error: BaseException) -> bool:
     """Whether a `raise` statement of this package made the error, and so wrote its message for the user.
 

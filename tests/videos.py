@@ -11,6 +11,15 @@ def noise(count, shape=(24, 33), seed=0):
     return np.random.default_rng(seed).integers(0, 256, (count, *shape, 3), dtype=np.uint8)
 
 
+def loom(count, half_size, contact):
+    """A dark disc that grows up to `contact` and stays: its half-size in pixels times frames to go."""
+    rows, cols = 32, 48
+    y, x = np.mgrid[:rows, :cols]
+    radius = half_size / np.maximum(contact - np.arange(count), 2)
+    discs = np.hypot(y - rows / 2, x - cols / 2) <= radius[:, None, None]
+    return np.repeat(np.where(discs, 20, 220).astype(np.uint8)[..., None], 3, -1)
+
+
 def write_video(
     path,
     pictures,

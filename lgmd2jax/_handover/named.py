@@ -1,6 +1,5 @@
 """A model by name: a file, a shipped fit or a preset, with single parameters set."""
 
-import warnings
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -13,7 +12,7 @@ from lgmd2jax._network.abstract import AbstractNetwork, AnyNetwork
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._network.parameters import PRESETS, preset, symbols
 from lgmd2jax._network.yue_rind import YueRindLGMD1
-from lgmd2jax._words import UnfinishedWarning, nearest
+from lgmd2jax._words import nearest, warn_unfinished
 
 _PRESET, _YUE_RIND = "preset:", "yue_rind"
 
@@ -29,8 +28,7 @@ def model_named(name: str) -> AbstractNetwork:
     if path is not None:
         model = load(path)
         if (part := read_json(path)["provenance"].get("unfinished")) is not None:
-            message = f"{path} is of an unfinished fit: {part} was stopped; lgmd2jax fit ... --resume goes on with it"
-            warnings.warn(message, UnfinishedWarning, stacklevel=2)
+            warn_unfinished(f"{path} is of an unfinished fit: {part} was stopped", stacklevel=3)
         return model
     name = name.removeprefix(_PRESET)
     if name not in (known := (*PRESETS, _YUE_RIND)):

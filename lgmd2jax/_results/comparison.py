@@ -1,6 +1,7 @@
 """Fits, as objects or as folders of results, side by side; and that as files."""
 
 import csv
+import dataclasses
 import json
 import math
 from collections import Counter
@@ -14,7 +15,7 @@ from lgmd2jax._characterise import characterise
 from lgmd2jax._results.fit_folder import fit_folder, load_validated_fit
 from lgmd2jax._results.fit_json import plain
 from lgmd2jax.fitting import Comparison, Fit
-from lgmd2jax.fitting._comparison import Estimate, Held, compared, unit_of
+from lgmd2jax.fitting._comparison import Estimate, Held, compared
 
 AnyFit = Fit | str | Path
 
@@ -42,15 +43,13 @@ def compare(
     by_name = fits if isinstance(fits, Mapping) else _named(fits)
     loaded = {name: (fit, {}) if isinstance(fit, Fit) else load_validated_fit(fit) for name, fit in by_name.items()}
     models = {name: fit for name, (fit, _) in loaded.items()}
-    left_out = {name: r2 for name, (_, r2) in loaded.items()}
-    comparison = compared(models, left_out)
+    comparison = compared(models, {name: r2 for name, (_, r2) in loaded.items()})
     if not properties:
         return comparison
-    held = {}
-    for name, fit in tqdm(models.items(), unit="model", leave=False, disable=not progress):
-        result = characterise(fit.model)
-        held[name] = Held(result.passed, result.judged)
-    return compared(models, left_out, held)
+    bar = tqdm(models.values(), unit="model", leave=False, disable=not progress)
+    results = [characterise(fit.model) for fit in bar]
+    held = tuple(Held(result.passed, result.judged) for result in results)
+    return dataclasses.replace(comparison, properties=held)
 
 
 def _named(fits: Sequence[AnyFit]) -> dict[str, AnyFit]:
@@ -89,7 +88,7 @@ def _content(comparison: Comparison, i: int) -> dict[str, Any]:
         ],
         "left_out": {name: r2[i] for name, r2 in comparison.left_out.items()},
         "parameters": {
-            name: {"unit": unit_of(name)} | estimate._asdict()
+            name: {"unit": comparison.units[name]} | estimate._asdict()
             for name, estimates in comparison.parameters.items()
             if (estimate := estimates[i]) is not None
         },
@@ -123,5 +122,5 @@ def _lines(comparison: Comparison) -> Iterator[tuple[str, str, str, Iterable[flo
         yield "R2 left out", condition, "", row
     for name, estimates in comparison.parameters.items():
         known = [estimate or Estimate(math.nan, math.nan) for estimate in estimates]
-        yield "parameter", name, unit_of(name), [estimate.value for estimate in known]
-        yield "standard error", name, unit_of(name), [estimate.standard_error for estimate in known]
+        yield "parameter", name, comparison.units[name], [estimate.value for estimate in known]
+        yield "standard error", name, comparison.units[name], [estimate.standard_error for estimate in known]

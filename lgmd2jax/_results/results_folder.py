@@ -2,15 +2,15 @@
 
 import dataclasses
 import json
-import warnings
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
+from lgmd2jax._files.atomic import read_json
 from lgmd2jax._files.folder import replaced_folder
 from lgmd2jax._reports.page import report_page
 from lgmd2jax._reports.section import Section, as_html, as_text
-from lgmd2jax._words import UnfinishedWarning
+from lgmd2jax._words import warn_unfinished
 from lgmd2jax.fitting._search.descent import STOPPED
 
 MARKER = "fit.json"
@@ -72,7 +72,7 @@ class ResultsFolder:
 def is_finished(folder: Path) -> bool:
     """Whether a folder holds results of which nothing is still to come."""
     try:
-        content = json.loads((folder / MARKER).read_text(encoding="utf-8"))
+        content = read_json(folder / MARKER)
         return not content.get("unfinished") and content.get("result") != STOPPED
     except (OSError, ValueError, AttributeError):
         return False
@@ -81,5 +81,4 @@ def is_finished(folder: Path) -> bool:
 def warn_if_unfinished(folder: Path, parts: Sequence[str]) -> None:
     """Say that results are not whole yet. `parts`: what is still to come."""
     if parts:
-        message = f"{folder} is unfinished: {', '.join(parts)}; lgmd2jax fit ... --resume goes on with it"
-        warnings.warn(message, UnfinishedWarning, stacklevel=3)
+        warn_unfinished(f"{folder} is unfinished: {', '.join(parts)}", stacklevel=4)

@@ -79,9 +79,7 @@ _FIT = {
     "soft_loss": _NULLABLE,
     "temperatures": Annotated[list[Positive], Field(min_length=1)],
     "thresholds": by_key("kind", _THRESHOLDS),
-    "curves": list[
-        table("Curve", {"condition": (Text, ...), "channel": (names(TARGETS), ...), "quote": Text}, OpenTable)
-    ],
+    "curves": list[table("Curve", _CURVE, OpenTable)],
     "z": list[Number],
     "uncertainty": table("Uncertainty", _complete(_UNCERTAINTY)),
     "curved": list[Text],

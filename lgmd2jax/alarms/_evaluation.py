@@ -14,6 +14,7 @@ from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._signals import stretches
 from lgmd2jax.alarms._clip import ClipLabels, LabelledClip, Stretch
 from lgmd2jax.alarms._clip_batch import ClipBatch, batches_of
+from lgmd2jax.alarms._evidence import spikes_for_alarm
 
 
 class Verdict(NamedTuple):
@@ -124,7 +125,7 @@ class HeldOutScores:
 
 
 def evaluate(model: LGMD2, clips: Sequence[LabelledClip]) -> Evaluation:
-    """Run a model over labelled clips. Spikes are whole, so that an N_sp of 4.3 asks for five of them, as eq. 17 does.
+    """Run a model over labelled clips.
 
     **Raises:** `ValueError` for no clips.
     """
@@ -132,7 +133,7 @@ def evaluate(model: LGMD2, clips: Sequence[LabelledClip]) -> Evaluation:
         raise ValueError("clips is empty; give at least one")
     traces: list[np.ndarray] = [np.zeros(0)] * len(clips)
     for batch in batches_of(clips):
-        padded = np.asarray(_traces(model, batch, math.ceil(float(model.parameters.N_sp))))
+        padded = np.asarray(_traces(model, batch, spikes_for_alarm(model)))
         for member, trace in zip(batch.members, padded, strict=True):
             traces[member] = trace[: len(clips[member].frames)]
     return Evaluation(tuple(clips), tuple(traces), float(model.parameters.T_sp))

@@ -5,12 +5,20 @@ curve: the alarm is on in a frame exactly where the evidence is at least T_sp.
 """
 
 import functools
+import math
 
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, ScalarLike
 
+from lgmd2jax._network.lgmd2 import LGMD2
+
 NEVER = 0.0  # below every potential: no T_sp raises the alarm
+
+
+def spikes_for_alarm(model: LGMD2) -> int:
+    """How many spikes raise the alarm. Spikes are whole, so that an N_sp of 4.3 asks for five, as eq. 17 does."""
+    return math.ceil(float(model.parameters.N_sp))
 
 
 @functools.partial(jax.jit, static_argnames=("N_sp", "N_ts"))

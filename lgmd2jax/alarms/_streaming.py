@@ -1,6 +1,5 @@
 """The evidence for an alarm over a clip that is decoded while it is judged: memory holds one block of its frames."""
 
-import math
 from collections.abc import Iterable, Iterator
 
 import equinox as eqx
@@ -12,7 +11,7 @@ from lgmd2jax._network.abstract import State
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._video.clip import Clip
 from lgmd2jax._video.recording import Timeline
-from lgmd2jax.alarms._evidence import evidence
+from lgmd2jax.alarms._evidence import evidence, spikes_for_alarm
 
 _BLOCK = 64  # frames that go to the network together
 Moment = tuple[Float32[np.ndarray, "row col"], float]  # a grey frame, and ms since the one before
@@ -32,7 +31,7 @@ def streamed_evidence(model: LGMD2, clip: Clip) -> tuple[Timeline, Float[np.ndar
 
     u = np.concatenate(list(_potentials(model, moments())))
     index, time, interval = map(np.array, zip(*times, strict=True))
-    trace = evidence(u, model.parameters.sigma_sp, math.ceil(float(model.parameters.N_sp)), model.N_ts)
+    trace = evidence(u, model.parameters.sigma_sp, spikes_for_alarm(model), model.N_ts)
     return Timeline(index, time, interval, clip.effective_fps, count), np.asarray(trace)
 
 

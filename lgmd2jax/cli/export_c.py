@@ -3,7 +3,6 @@
 import argparse
 import dataclasses
 import functools
-import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
@@ -15,6 +14,7 @@ from lgmd2jax._c.host import compiled, compiler
 from lgmd2jax._c.memory import Memory, memory
 from lgmd2jax._c.source import file_names, sources
 from lgmd2jax._eye import Eye
+from lgmd2jax._files.atomic import read_json
 from lgmd2jax._files.folder import check_folder, replaced_folder
 from lgmd2jax._handover.model_file import as_lgmd2, save
 from lgmd2jax._handover.named import model_file, model_named
@@ -114,7 +114,7 @@ def _provenance(name: str) -> dict:
     path = model_file(name)
     if path is None:
         return {}
-    known = json.loads(path.read_text(encoding="utf-8"))["provenance"]
+    known = read_json(path)["provenance"]
     return {key: value for key, value in known.items() if key != "program"}
 
 
@@ -132,7 +132,7 @@ def _write(folder: Path, model: LGMD2, original: Path | None, provenance: Mappin
             save(model, handover, provenance)
         else:
             handover.write_bytes(content)
-        files = sources(model, json.loads(handover.read_text(encoding="utf-8"))["test_vector"])
+        files = sources(model, read_json(handover)["test_vector"])
         for name, text in files.items():
             (new / name).parent.mkdir(exist_ok=True)
             (new / name).write_text(text, encoding="utf-8")

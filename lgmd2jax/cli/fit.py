@@ -13,7 +13,7 @@ from lgmd2jax._results.posterior_nc import check_packages
 from lgmd2jax._results.results_folder import SEARCH
 from lgmd2jax.alarms import AlarmRecipe
 from lgmd2jax.cli import fit_alarms
-from lgmd2jax.cli.recipe_results import folder_of, kept_work, origin, write_stopped
+from lgmd2jax.cli.recipe_results import folder_of, kept_work, records, write_stopped
 from lgmd2jax.fitting import Supplement
 from lgmd2jax.fitting._search.descent import STOPPED
 
@@ -46,8 +46,7 @@ def _fit_curves(options: argparse.Namespace, recipe: Recipe, start: float) -> No
     with kept_work(folder, digest, options.resume) as memory:
         print(f"fitting {', '.join(recipe.free.names)} to {len(recipe.pairs)} conditions of {recipe.name}", flush=True)
         fit = recipe.run(progress=True, memory=memory)
-        notes = {"recipe": recipe.table, "digest": digest, "made": origin(start)}
-        provenance = {"recipe": recipe.name, "seed": recipe.seed, "digest": digest}
+        notes, provenance = records(recipe, digest, start)
         results = FitFolder(fit, folder, recipe.name, notes)
         further = recipe.further(fit, memory, progress=True)
         left = [*further, *([_DRAWS] if recipe.samples else [])]

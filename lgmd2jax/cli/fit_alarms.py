@@ -13,7 +13,7 @@ from lgmd2jax._network.parameters import preset
 from lgmd2jax._results.alarm_folder import AlarmFolder
 from lgmd2jax._results.results_folder import MARKER, SEARCH
 from lgmd2jax.alarms import AlarmRecipe, HeldOutScores, LabelledClip, evaluate, load_labels
-from lgmd2jax.cli.recipe_results import folder_of, kept_work, origin, write_stopped
+from lgmd2jax.cli.recipe_results import folder_of, kept_work, records, write_stopped
 
 _HELD_OUT = "the scores on clips that the fit did not see"
 _ROBOT_T_SP = 0.65  # Table I's range is .65 on the robot to .78 off line
@@ -34,10 +34,8 @@ def run(options: argparse.Namespace, recipe: AlarmRecipe, start: float) -> None:
             print("no clip has a silence: nothing here speaks against a model that always fires", flush=True)
         fit, scores = recipe.run(clips, progress=True, memory=memory), None
         left = [] if recipe.validation is None else [_HELD_OUT]
-        provenance = {"recipe": recipe.name, "seed": recipe.seed, "digest": digest}
-        results = AlarmFolder(
-            fit, folder, recipe.name, {"recipe": recipe.table, "digest": digest, "made": origin(start)}
-        )
+        notes, provenance = records(recipe, digest, start)
+        results = AlarmFolder(fit, folder, recipe.name, notes)
         if fit.stopped:
             provenance["unfinished"] = SEARCH
             write_stopped(folder, lambda: results.begin([SEARCH, *left], provenance), fit.summary())

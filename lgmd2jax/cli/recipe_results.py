@@ -14,7 +14,9 @@ from lgmd2jax._files.catalogue import results_folder
 from lgmd2jax._files.folder import check_folder
 from lgmd2jax._files.lock import locked
 from lgmd2jax._files.temporary import temporaries_beside
+from lgmd2jax._recipes.fit import Recipe
 from lgmd2jax._results.results_folder import MARKER, is_finished
+from lgmd2jax.alarms import AlarmRecipe
 
 
 def folder_of(options: argparse.Namespace, name: str) -> Path:
@@ -57,8 +59,17 @@ def write_stopped(folder: Path, write: Callable[[], None], summary: str) -> NoRe
     raise SystemExit(130)
 
 
-def origin(start: float) -> dict[str, Any]:
-    """When and on what a result came about, for fit.json. `start`: of the run, by `time.monotonic`."""
+def records(recipe: Recipe | AlarmRecipe, digest: str, start: float) -> tuple[dict[str, Any], dict[str, Any]]:
+    """What a fit came from: notes for fit.json, and provenance for model.json, which equal fits share.
+
+    **Arguments:** `start`: of the run, by `time.monotonic`.
+    """
+    notes = {"recipe": recipe.table, "digest": digest, "made": _origin(start)}
+    return notes, {"recipe": recipe.name, "seed": recipe.seed, "digest": digest}
+
+
+def _origin(start: float) -> dict[str, Any]:
+    """When and on what a result came about."""
     return {
         "date": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
         "seconds": round(time.monotonic() - start, 1),

@@ -2,14 +2,14 @@
 
 import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Int
 
 from lgmd2jax._channels import Channel
-from lgmd2jax._network.parameter_set import ParameterSet
+from lgmd2jax._network.parameter_set import Symbol
 from lgmd2jax._network.parameters import symbols
 from lgmd2jax._reports.digits import measured, plain
 from lgmd2jax._reports.section import Section, as_html, as_text
@@ -54,6 +54,7 @@ class Comparison:
     - `aic`, `bic`: as in lmfit; NaN unless all targets are recordings whose correlation in time is known, for the
       reason in `without_criteria`.
     - `parameters`: by name the estimate of each fit, None where it acts on nothing; all that are free in any.
+    - `units`: of these parameters, "" for a plain number.
     - `left_out`: by condition R2 of each fit, predicted by a fit to others; NaN where that was not asked for.
     - `properties`: of the 22, where that was asked for.
     """
@@ -69,6 +70,7 @@ class Comparison:
     bic: Float[np.ndarray, " fit"]
     without_criteria: str
     parameters: Mapping[str, tuple[Estimate | None, ...]]
+    units: Mapping[str, str]
     left_out: Mapping[str, Float[np.ndarray, " fit"]]
     properties: tuple[Held, ...] | None = None
 
@@ -130,7 +132,7 @@ class Comparison:
                 "Parameters that are free in any",
                 ("parameter", "unit", *numbers),
                 tuple(
-                    (name, unit_of(name), *(_UNKNOWN if each is None else str(each) for each in row))
+                    (name, self.units[name], *(_UNKNOWN if each is None else str(each) for each in row))
                     for name, row in self.parameters.items()
                 ),
                 (f"[]: fixed. ?: undetermined by the curves. {_UNKNOWN}: acts on nothing.",),
@@ -159,14 +161,10 @@ class Comparison:
         return as_html(self.sections())
 
 
-def compared(
-    fits: Mapping[str, Fit],
-    left_out: Mapping[str, Mapping[str, float]],
-    properties: Mapping[str, Held] | None = None,
-) -> Comparison:
+def compared(fits: Mapping[str, Fit], left_out: Mapping[str, Mapping[str, float]]) -> Comparison:
     """The comparison of fits by name.
 
-    **Arguments:** `left_out`: by fit, R2 of each condition that was left out. `properties`: by fit.
+    **Arguments:** `left_out`: by fit, R2 of each condition that was left out.
 
     **Raises:** `ValueError` for fewer than two fits, and for fits to different data.
     """
@@ -185,7 +183,8 @@ def compared(
     ]
     conditions = dict.fromkeys(curve.condition for curve in first.curves)
     known = [name for name in conditions if any(name in left_out.get(fit, {}) for fit in fits)]
-    names = dict.fromkeys(name for fit in fits.values() for name in fit.free.names)
+    is_free = {name for fit in fits.values() for name in fit.free.names}
+    free_symbols = {name: symbol for name, symbol in _symbols(fits.values()).items() if name in is_free}
     return Comparison(
         names=tuple(fits),
         curves=tuple((curve.condition, curve.channel) for curve in first.curves),
@@ -197,30 +196,18 @@ def compared(
         aic=np.array([aic for aic, _ in criteria]),
         bic=np.array([bic for _, bic in criteria]),
         without_criteria=reason,
-        parameters={name: tuple(_estimate(fit, name) for fit in fits.values()) for name in _in_order(names)},
+        parameters={name: tuple(_estimate(fit, name) for fit in fits.values()) for name in free_symbols},
+        units={name: "" if symbol.unit == "1" else symbol.unit for name, symbol in free_symbols.items()},
         left_out={name: np.array([left_out.get(fit, {}).get(name, np.nan) for fit in fits]) for name in known},
-        properties=None if properties is None else tuple(properties[name] for name in fits),
     )
 
 
-def unit_of(name: str) -> str:
-    """The unit of a parameter of model or observation, "" for a plain number."""
-    unit = next((known[name].unit for known in _symbols() if name in known), "1")
-    return "" if unit == "1" else unit
-
-
-def _symbols():
-    """What is known of parameters: of the LGMD2, of the observation, of other networks."""
-    yield symbols()
-    yield observation_symbols()
-    for kind in ParameterSet.__subclasses__():
-        yield symbols(kind)
-
-
-def _in_order(names: Mapping[str, None]) -> list[str]:
-    """As the parameters are declared; those of other networks last."""
-    declared = [*symbols(), *observation_symbols()]
-    return sorted(names, key=lambda name: declared.index(name) if name in declared else len(declared))
+def _symbols(fits: Iterable[Fit]) -> dict[str, Symbol]:
+    """What is known of parameters, as they are declared: of the LGMD2, the observation, the fits' other networks."""
+    known: dict[str, Symbol] = {}
+    for symbols_of in (symbols(), observation_symbols(), *(symbols(type(fit.parameters)) for fit in fits)):
+        known |= {name: symbol for name, symbol in symbols_of.items() if name not in known}
+    return known
 
 
 def _estimate(fit: Fit, name: str) -> Estimate | None:

@@ -8,11 +8,12 @@ import pytest
 
 import lgmd2jax as lgmd
 from lgmd2jax.alarms import _decoding, _streaming, evaluate, load_labels
-from tests.videos import conversion, noise, write_video
+from tests.videos import conversion, loom, noise, write_video
 
 pytest.importorskip("av", reason="reading video needs the extra 'video'")
 
 ROWS, COLS, COUNT = 32, 48, 70
+LOOM = loom(COUNT, 60, COUNT - 5)
 STAMPS = np.cumsum([0, *[40] * 30, 200, *[40] * 37, 1000])
 MODEL = lgmd.LGMD2(lgmd.preset("lgmd2", T_sp=0.65, k=0.5))
 MECHANISMS = dataclasses.replace(MODEL, mechanisms=("size", "shunt", "lag", "membrane"))
@@ -33,13 +34,6 @@ alarm = [[40, 60]]
 @pytest.fixture(autouse=True)
 def cache(tmp_path, monkeypatch):
     monkeypatch.setattr(_decoding, "cache_folder", lambda: tmp_path / "cache")
-
-
-def loom():
-    y, x = np.mgrid[:ROWS, :COLS]
-    radius = 60 / np.maximum(COUNT - 5 - np.arange(COUNT), 2)
-    discs = np.hypot(y - ROWS / 2, x - COLS / 2) <= radius[:, None, None]
-    return np.repeat(np.where(discs, 20, 220).astype(np.uint8)[..., None], 3, -1)
 
 
 def label_file(folder, pictures, *lines, stamps=None):
@@ -67,7 +61,7 @@ def assert_same(file, model=MODEL):
 @pytest.mark.parametrize("model", [MODEL, MECHANISMS], ids=["plain", "mechanisms"])
 def test_blocks_of_any_length(tmp_path, monkeypatch, block, model):
     monkeypatch.setattr(_streaming, "_BLOCK", block)
-    assert_same(label_file(tmp_path, loom()), model)
+    assert_same(label_file(tmp_path, LOOM), model)
 
 
 @pytest.mark.parametrize(
@@ -77,7 +71,7 @@ def test_blocks_of_any_length(tmp_path, monkeypatch, block, model):
 )
 @pytest.mark.parametrize("stamps", [None, STAMPS], ids=["even", "uneven"])
 def test_crop_resize_labels_and_clock(tmp_path, lines, stamps):
-    assert_same(label_file(tmp_path, loom(), *lines, stamps=stamps))
+    assert_same(label_file(tmp_path, LOOM, *lines, stamps=stamps))
 
 
 def test_repeated_frames_are_dropped(tmp_path):
@@ -88,7 +82,7 @@ def test_repeated_frames_are_dropped(tmp_path):
 
 
 def test_rendered_clips_follow_the_recorded_ones(tmp_path):
-    evaluation = assert_same(label_file(tmp_path, loom(), "", "[rendered]", "count = 2"))
+    evaluation = assert_same(label_file(tmp_path, LOOM, "", "[rendered]", "count = 2"))
     assert [clip.name[:3] for clip in evaluation.clips] == ["c", "000", "001"]
 
 

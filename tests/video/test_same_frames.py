@@ -9,11 +9,12 @@ from lgmd2jax._video.clip import open_clip
 from lgmd2jax.alarms import _decoding as module, load_labels, load_recipe
 from lgmd2jax.alarms._clip_batch import batches_of
 from lgmd2jax.cli.respond import responses
-from tests.videos import conversion, noise, write_folder, write_video
+from tests.videos import conversion, loom, noise, write_folder, write_video
 
 pytest.importorskip("av", reason="reading video needs the extra 'video'")
 
 COUNT, ROWS, COLS = 24, 32, 48
+LOOM = loom(COUNT, 40, COUNT - 2)
 STAMPS = np.cumsum([0, *[40] * 11, 200, *[40] * 10, 1000])
 FILE = """
 [eye]
@@ -34,24 +35,20 @@ T_sp = { low = 0.51, high = 0.97 }
 """
 
 
-def loom():
-    y, x = np.mgrid[:ROWS, :COLS]
-    radius = 40 / np.maximum(COUNT - 2 - np.arange(COUNT), 2)
-    discs = np.hypot(y - ROWS / 2, x - COLS / 2) <= radius[:, None, None]
-    return np.repeat(np.where(discs, 20, 220).astype(np.uint8)[..., None], 3, -1)
-
-
 def video(name, codec, pixels, stamps=None, **options):
-    return lambda folder: write_video(folder / name, loom(), codec, pixels, stamps_ms=stamps, **options)
+    return lambda folder: write_video(folder / name, LOOM, codec, pixels, stamps_ms=stamps, **options)
 
 
 def images(name):
-    return lambda folder: write_folder(folder / "frames", loom(), name)
+    return lambda folder: write_folder(folder / "frames", LOOM, name)
 
 
 def stack(folder):
     tifffile.imwrite(
-        folder / "stack.tif", loom()[..., 0].astype(np.uint16) * 257, byteorder=">", photometric="minisblack"
+        folder / "stack.tif",
+        LOOM[..., 0].astype(np.uint16) * 257,
+        byteorder=">",
+        photometric="minisblack",
     )
     return folder / "stack.tif"
 
@@ -129,7 +126,7 @@ def test_without_repeats_too(tmp_path):
 
 def test_a_frame_that_is_held_is_as_long_for_a_labelled_clip(tmp_path):
     held = [*np.round(np.arange(60) * 100 / 3), 7000]
-    pictures = np.concatenate([np.repeat(loom()[:1], 61 - COUNT, 0), loom()])
+    pictures = np.concatenate([np.repeat(LOOM[:1], 61 - COUNT, 0), LOOM])
     path = write_video(tmp_path / "c.mp4", pictures, "libx264", "yuv420p", stamps_ms=held)
     (clip,) = labelled(tmp_path, path, "silent = [[0, 34]]").load()
     assert clip.fps == pytest.approx(30, rel=1e-3)
