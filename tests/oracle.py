@@ -65,6 +65,7 @@ def respond(frames, fps, v, temperature=None, n_p=0, low_pass="backward_euler", 
     on, off, d_on, d_off = zeros(), zeros(), zeros(), zeros()
     held = zeros()
     ffi, excitation, u_before, adapted, spikes_before = 0.0, 0.0, 0.5, 0.5, [0.0] * N_ts
+    told = []
     out = {name: [] for name in (*CHANNELS, "f", "s", "s_gated", "g", "rise", "unfloored", "d")}
 
     for t, (frame, ti) in enumerate(zip(frames, intervals, strict=True)):
@@ -104,8 +105,12 @@ def respond(frames, fps, v, temperature=None, n_p=0, low_pass="backward_euler", 
             f, threshold = sum(abs(p[x][y]) for x, y in pixels) / len(pixels), v["T_ffi"]
         out["mp"].append(mp)
         out["f"].append(f)
+        if "rate" in mechanisms:  # as in a thirtieth of a second; a share of the field is not a change
+            per_time = 1000 / 30 / ti
+            mp, f = mp * per_time, f if "size" in mechanisms else f * per_time
+        told.append((mp, f))
         if "lag" in mechanisms:
-            mp, f = lagged(out["mp"], t), lagged(out["f"], t)
+            mp, f = (lagged(values, t) for values in zip(*told, strict=True))
 
         ffi += coefficient(v["tau2"]) * (f - ffi)  # eq. 14
         drive = abs(mp) / (len(pixels) * v["k"])
