@@ -21,6 +21,7 @@ from ._network.parameters import (
     symbols as symbols,
 )
 from ._network.pixels import Layers as Layers
+from ._network.sides import Sides as Sides, sides as sides
 from ._network.stages import AbstractCell as AbstractCell, AbstractPixels as AbstractPixels, Sums as Sums
 from ._network.structure import counts as counts, one_of as one_of
 from ._network.thresholds import (
