@@ -24,13 +24,16 @@ from lgmd2jax.arena._layout import (
     Layout,
 )
 
+EYE = Eye.preset("colias")  # 72 x 99 pixels, 70 degrees wide, 30 frames a second, as the paper's
 EYE_HEIGHT_CM = 4.0  # the camera stands above the robot's centre
 FLOOR, ABOVE = 190.0, 230.0  # grey levels of the floor, and of what is higher than the walls
 _STRIPS = 3  # of a column
 _FAR_CM = 1e4  # where obstacles stand that a layout does not have
 _GREY = 135.0  # about the mean of the patterns; integrals of the differences to it stay small, and so exact
 
-Strips = Float[Array, "strip col"]
+_PARALLEL = 1e-3  # how little a ray may face a surface
+
+Strips = Float[Array, " strip"]
 
 
 class Scene(eqx.Module):
@@ -63,33 +66,46 @@ class Scene(eqx.Module):
         return cls(*(jnp.asarray(value, jnp.float32) for value in values))
 
 
+class _Hit(eqx.Module):
+    """Where strips hit a surface.
+
+    - `depth`: along the camera's axis, in cm.
+    - `along`: place on the surface, in patches. `width`: of a strip of slope 1, in patches.
+    - `first`, `count`: the patches of the surface.
+    """
+
+    depth: Strips
+    along: Strips
+    width: Strips
+    first: Int[Array, " strip"]
+    count: Int[Array, " strip"]
+
+
 def render(eye: Eye, scene: Scene, place: Float[Array, "2"], heading: Scalar) -> Map:
     """The image in grey levels, without noise, from a place in cm and a heading in radians.
 
     **Arguments:** `eye`: a pinhole. `place`: free of walls and obstacles.
     """
-    right_px = (np.arange(eye.cols * _STRIPS, dtype=np.float32).reshape(eye.cols, _STRIPS).T + 0.5) / _STRIPS
-    slope = (right_px - eye.cols / 2) / eye.focal_px
-    depth, along, width, first, patches = _hits(scene, place, heading, jnp.asarray(slope, jnp.float32))
-    width = width / (eye.focal_px * _STRIPS)
-    bands = _mean_patches(scene, along, width, first, patches)
+    right_px = (np.arange(eye.cols * _STRIPS) + 0.5) / _STRIPS - eye.cols / 2
+    hit = _cast(scene, place, heading, jnp.asarray(right_px / eye.focal_px, jnp.float32))
+    bands = _mean_patches(scene, hit, 1 / (eye.focal_px * _STRIPS))
 
     def integral(up: Scalar) -> Strips:
-        """Of the grey levels from the floor to the upper edge of a row of pixels."""
-        height = EYE_HEIGHT_CM + depth * up
+        """Of the grey levels from the floor to the upper edge of a row of pixels, by depth."""
+        height = EYE_HEIGHT_CM + hit.depth * up
         total = (FLOOR - _GREY) * jnp.minimum(height, 0) + (ABOVE - _GREY) * jnp.maximum(height - HEIGHT_CM, 0)
         for band in range(BANDS):
             total = total + bands[band] * jnp.clip(height - band * PATCH_CM, 0, PATCH_CM)
-        return total / depth
+        return total / hit.depth
 
     edges = (eye.rows / 2 - np.arange(eye.rows + 1)) / eye.focal_px
     # A loop, since XLA would compute all of a strip anew for each of its pixels.
-    integrals = jax.lax.map(integral, jnp.asarray(edges, jnp.float32)).sum(axis=1)
-    return _GREY + (integrals[:-1] - integrals[1:]) * (eye.focal_px / _STRIPS)
+    integrals = jax.lax.map(integral, jnp.asarray(edges, jnp.float32))
+    strips = (integrals[:-1] - integrals[1:]) * eye.focal_px
+    return _GREY + strips.reshape(eye.rows, eye.cols, _STRIPS).mean(axis=2)
 
 
-def film(
-    scene: Scene, image: Map, noise: Map, time: Scalar) -> Map:
+def film(scene: Scene, image: Map, noise: Map, time: Scalar) -> Map:
     """An image as the camera delivers it, in whole grey levels 0..255.
 
     **Arguments:** `noise` of standard deviation 1; `time` in s.
@@ -98,63 +114,55 @@ def film(
     return jnp.round(jnp.clip(image * light + scene.noise * noise, 0, 255))
 
 
-def _hits(
-    scene: Scene, place: Float[Array, "2"], heading: Scalar, slope: Strips
-) -> tuple[Strips, Strips, Strips, Int[Array, "strip col"], Int[Array, "strip col"]]:
-    """Where the strips hit.
+def _cast(scene: Scene, place: Float[Array, "2"], heading: Scalar, slope: Strips) -> _Hit:
+    """Where rays of these slopes to the right of the camera's axis hit a surface first."""
+    ahead_x, ahead_y = jnp.cos(heading), jnp.sin(heading)
+    ray_x, ray_y = ahead_x + ahead_y * slope, ahead_y - ahead_x * slope  # to a depth of 1
+    wall = _walls(place, ray_x, ray_y)
+    obstacle = _obstacles(scene, place, ray_x, ray_y)
+    return jax.tree.map(lambda near, far: jnp.where(obstacle.depth < wall.depth, near, far), obstacle, wall)
 
-    Depth along the camera's axis and place along the surface, in cm; how wide a strip of slope 1 is on it, in cm; the
-    first patch of the surface, and how many it has.
-    """
-    ahead = jnp.stack([jnp.cos(heading), jnp.sin(heading)])
-    right = jnp.stack([ahead[1], -ahead[0]])
-    ray = ahead[:, None, None] + right[:, None, None] * slope  # a depth of 1 along each
-    # The walls: where the ray leaves the square.
-    towards_far = ray > 0
-    each_depth = (jnp.where(towards_far, SIDE_CM, 0) - place[:, None, None]) / jnp.where(ray == 0, 1e-9, ray)
-    across = each_depth[0] < each_depth[1]  # whether it is a wall of constant x
-    depth = jnp.minimum(each_depth[0], each_depth[1])
-    hit = place[:, None, None] + depth * ray
-    wall = jnp.where(across, jnp.where(towards_far[0], 1, 3), jnp.where(towards_far[1], 2, 0))
-    along = SIDE_CM * wall + jnp.clip(jnp.where(across, hit[1], hit[0]), 0, SIDE_CM)
-    facing = jnp.abs(jnp.where(across, ray[0], ray[1]))
-    # The obstacles: the nearest one before the wall.
-    centre = scene.centres - place
-    squared = (ray**2).sum(0)
-    middle = jnp.einsum("dsc,od->osc", ray, centre)
-    excess = ((centre**2).sum(1) - scene.radii**2)[:, None, None]
-    discriminant = middle**2 - squared * excess
-    met = (discriminant > 0) & (middle > 0)
-    root = jnp.sqrt(jnp.where(met, discriminant, 0))
-    obstacle_depth = jnp.where(met, (middle - root) / squared, jnp.inf)
-    nearest = jnp.argmin(obstacle_depth, axis=0)
-    at = obstacle_depth.min(axis=0)
-    before_wall = at < depth
+
+def _walls(place: Float[Array, "2"], ray_x: Strips, ray_y: Strips) -> _Hit:
+    """Where rays leave the square."""
+    depth_x = (jnp.where(ray_x > 0, SIDE_CM, 0) - place[0]) / jnp.where(ray_x == 0, -_PARALLEL, ray_x)
+    depth_y = (jnp.where(ray_y > 0, SIDE_CM, 0) - place[1]) / jnp.where(ray_y == 0, -_PARALLEL, ray_y)
+    of_constant_x, depth = depth_x < depth_y, jnp.minimum(depth_x, depth_y)
+    number = jnp.where(of_constant_x, jnp.where(ray_x > 0, 1, 3), jnp.where(ray_y > 0, 2, 0))
+    along = jnp.clip(jnp.where(of_constant_x, place[1] + depth * ray_y, place[0] + depth * ray_x), 0, SIDE_CM)
+    facing = jnp.abs(jnp.where(of_constant_x, ray_x, ray_y))
+    count = jnp.full(number.shape, WALL_PATCHES // 4)
+    return _Hit(depth, along / PATCH_CM, depth / facing / PATCH_CM, number * count, count)
+
+
+def _obstacles(scene: Scene, place: Float[Array, "2"], ray_x: Strips, ray_y: Strips) -> _Hit:
+    """Where rays hit the nearest obstacle; at infinite depth where they hit none."""
+    x, y = scene.centres[:, :1] - place[0], scene.centres[:, 1:] - place[1]
+    squared = ray_x**2 + ray_y**2
+    middle = x * ray_x[None] + y * ray_y[None]
+    discriminant = middle**2 - squared[None] * (x**2 + y**2 - scene.radii[:, None] ** 2)
+    meets = (discriminant > 0) & (middle > 0)
+    depths = jnp.where(meets, (middle - jnp.sqrt(jnp.where(meets, discriminant, 0))) / squared[None], jnp.inf)
+    nearest, depth = jnp.argmin(depths, axis=0), depths.min(axis=0)
     radius = scene.radii[nearest]
-    normal = (jnp.where(before_wall, at, 0) * ray - jnp.moveaxis(centre[nearest], -1, 0)) / radius
-    turn = jnp.arctan2(normal[1], normal[0]) / (2 * np.pi) + 0.5
-    obstacle_facing = jnp.maximum(jnp.abs((normal * ray).sum(0)), 1e-3)
-    # Patches of an obstacle are as many for all radii, and a little narrower on the thin ones.
+    known = jnp.where(jnp.isfinite(depth), depth, 0)
+    normal_x, normal_y = (known * ray_x - x[nearest, 0]) / radius, (known * ray_y - y[nearest, 0]) / radius
+    facing = jnp.maximum(jnp.abs(normal_x * ray_x + normal_y * ray_y), _PARALLEL)
+    # Obstacles have equally many patches, which are narrower on the thin ones.
     patch = 2 * np.pi * radius / OBSTACLE_PATCHES
-    return (
-        jnp.where(before_wall, at, depth),
-        jnp.where(before_wall, turn * OBSTACLE_PATCHES, along / PATCH_CM),
-        jnp.where(before_wall, at / obstacle_facing / patch, depth / facing / PATCH_CM),
-        jnp.where(before_wall, WALL_PATCHES + nearest * OBSTACLE_PATCHES, 0),
-        jnp.where(before_wall, OBSTACLE_PATCHES, WALL_PATCHES),
-    )
+    along = (jnp.arctan2(normal_y, normal_x) / (2 * np.pi) + 0.5) * OBSTACLE_PATCHES
+    first = WALL_PATCHES + nearest * OBSTACLE_PATCHES
+    return _Hit(depth, along, depth / facing / patch, first, jnp.full(first.shape, OBSTACLE_PATCHES))
 
 
-def _mean_patches(
-    scene: Scene, along: Strips, width: Strips, first: Int[Array, "strip col"], patches: Int[Array, "strip col"]
-) -> Float[Array, "band strip col"]:
-    """Mean of the patterns over the width of each strip."""
-    low = jnp.clip(along - width / 2, 0, patches - 1e-3)
-    high = jnp.clip(along + width / 2, low + 1e-4, patches)
+def _mean_patches(scene: Scene, hit: _Hit, slope: float) -> Float[Array, "band strip"]:
+    """Mean of the patterns over the width of strips of this slope."""
+    low = jnp.clip(hit.along - hit.width * slope / 2, 0, hit.count - 1e-3)
+    high = jnp.clip(hit.along + hit.width * slope / 2, low + 1e-4, hit.count)
 
-    def integral(place):
-        patch = jnp.clip(jnp.floor(place).astype(jnp.int32), 0, patches - 1)
-        rows = first + patch
-        return scene.integral[:, rows] + (place - patch) * scene.patches[:, rows]
+    def integral(place: Strips) -> Float[Array, "band strip"]:
+        patch = jnp.clip(jnp.floor(place).astype(int), 0, hit.count - 1)
+        of_whole, own = scene.integral[:, hit.first + patch], scene.patches[:, hit.first + patch]
+        return of_whole + (place - patch)[None] * own
 
-    return (integral(high) - integral(low)) / (high - low)
+    return (integral(high) - integral(low)) / (high - low)[None]

@@ -1,10 +1,10 @@
 """The closed loop: a robot sees, decides, moves.
 
 From the paper: the robot drives straight on until an alarm, turns to a random side by more than 180 degrees, and drives
-on; a camera of 72 x 99 pixels, 70 degrees wide, 30 frames per second; a minute. The paper gives no speed: 6 cm/s is
-this project's choice (the robot can do 35, Arvin et al. 2014), as are the rate of turning and what follows. A turn is of
-180 to 270 degrees, so that the robot comes to face the half behind it. A contact is counted once and answered with
-the same turn. The detector sees nothing in a turn and starts anew with the first frame of the drive after it.
+on; a camera of 72 x 99 pixels, 70 degrees wide, 30 frames per second; a minute. The rest is this project's choice. The
+paper gives no speed: here the robot drives 6 cm/s (it can do 35, Arvin et al. 2014). It turns by 180 to 270 degrees, so
+that it comes to face the half behind it. A contact is counted once and answered with the same turn. The detector sees
+nothing in a turn and starts anew with the first frame of the drive after it.
 """
 
 from typing import Any, Literal
@@ -16,12 +16,11 @@ import numpy as np
 from jaxtyping import Array, Bool, Float
 
 from lgmd2jax._eye import Eye
-from lgmd2jax._types import Key, Map, Scalar
-from lgmd2jax.arena._camera import Scene, film, render
-from lgmd2jax.arena._detectors import AbstractDetector, Sides
+from lgmd2jax._types import Key, Scalar
+from lgmd2jax.arena._camera import EYE, Scene, film, render
+from lgmd2jax.arena._detectors import AbstractDetector, Evidence
 from lgmd2jax.arena._layout import ROBOT_RADIUS_CM, SIDE_CM
 
-EYE = Eye.preset("colias")
 SECONDS = 60.0
 SPEED_CM_S = 6.0
 TURNING_DEG_S = 270.0
@@ -100,13 +99,13 @@ def drive(
         turning = robot.to_turn != 0
         fresh = detector.rest(frame)
         state = jax.tree.map(lambda anew, kept: jnp.where(turning | robot.turned, anew, kept), fresh, robot.detector)
-        state, alarm, sides = detector.step(state, frame)
+        state, alarm, evidence = detector.step(state, frame)
         alarm = alarm & ~turning
         ahead = robot.pose.place + stride * direction(robot.pose.heading)
         blocked = ~is_free(scene, ahead)
         runs_into = blocked & ~turning & ~alarm
         drives = ~(turning | alarm | blocked)
-        side = random_side if turn == "random" else _away(sides, random_side)
+        side = random_side if turn == "random" else _away(evidence, random_side)
         to_turn = jnp.where(alarm | runs_into, side * angle, robot.to_turn)
         rotated = jnp.clip(to_turn, -rotation, rotation)
         pose = Pose(jnp.where(drives, ahead, robot.pose.place), robot.pose.heading + rotated)
@@ -127,11 +126,11 @@ def direction(heading: Scalar) -> Float[Array, "2"]:
 def is_free(scene: Scene, place: Float[Array, "2"]) -> Bool[Array, ""]:
     """Whether the robot's centre may be there."""
     inside = jnp.all((place >= ROBOT_RADIUS_CM) & (place <= SIDE_CM - ROBOT_RADIUS_CM))
-    distance = jnp.sqrt(((scene.centres - place) ** 2).sum(axis=1))
+    distance = jnp.sqrt(((scene.centres - place[None]) ** 2).sum(axis=1))
     return inside & jnp.all(distance >= scene.radii + ROBOT_RADIUS_CM)
 
 
-def _away(sides: Sides, otherwise: Scalar) -> Scalar:
+def _away(evidence: Evidence, otherwise: Scalar) -> Scalar:
     """To the left (positive angles) where there is more on the right."""
-    left, right = sides
+    left, right = evidence
     return jnp.where(left == right, otherwise, jnp.sign(right - left))

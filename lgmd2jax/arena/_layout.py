@@ -8,7 +8,7 @@ import dataclasses
 import math
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 SIDE_CM = 110.0
 ROBOT_RADIUS_CM = 2.0
@@ -50,10 +50,10 @@ class Layout:
     flicker_hz: float
     flicker_phase: float
 
-    def free(self, place: Float[np.ndarray, "*places 2"]) -> np.ndarray:
+    def free(self, places: Float[np.ndarray, "*place 2"]) -> Bool[np.ndarray, "*place"]:
         """Whether the robot's centre may be at each place."""
-        inside = np.all((place >= ROBOT_RADIUS_CM) & (place <= SIDE_CM - ROBOT_RADIUS_CM), axis=-1)
-        distance = np.linalg.norm(place[..., None, :] - self.centres, axis=-1)
+        inside = np.all((places >= ROBOT_RADIUS_CM) & (places <= SIDE_CM - ROBOT_RADIUS_CM), axis=-1)
+        distance = np.linalg.norm(places[..., None, :] - self.centres, axis=-1)
         return inside & np.all(distance >= self.radii + ROBOT_RADIUS_CM, axis=-1)
 
 

@@ -1,13 +1,16 @@
 """Many robots at once, each in an arena of its own."""
 
-import functools
 from collections.abc import Sequence
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
+from jaxtyping import PRNGKeyArray
 
-from lgmd2jax.arena._camera import Scene
+from lgmd2jax._compute.batching import each_on_all_devices
+from lgmd2jax._eye import Eye
+from lgmd2jax.arena._camera import EYE, Scene
 from lgmd2jax.arena._detectors import AbstractDetector
 from lgmd2jax.arena._drive import SECONDS, Pose, Trip, Turn, drive
 from lgmd2jax.arena._layout import Layout, random_layout
@@ -18,7 +21,7 @@ class Start(eqx.Module):
 
     scene: Scene
     pose: Pose
-    key: jax.Array
+    key: PRNGKeyArray
 
     @classmethod
     def of(cls, seed: int) -> "Start":
@@ -34,10 +37,28 @@ class Start(eqx.Module):
 
 
 def run(
-    detector: AbstractDetector, seeds: Sequence[int], *, turn: Turn = "random", seconds: float = SECONDS
+    detector: AbstractDetector, seeds: Sequence[int], *, turn: Turn = "random", seconds: float = SECONDS, eye: Eye = EYE
 ) -> tuple[list[Layout], Trip]:
     """A robot for each seed: the arenas, and the trips, stacked.
 
     The same seed gives the same arena, the same noise and the same turns, whatever the detector.
     """
-    return [random_layout(seed) for seed in seeds], trips(detector, Start.stacked(seeds), turn=turn, seconds=seconds)
+    layouts = [random_layout(seed) for seed in seeds]
+    return layouts, trips(detector, Start.stacked(seeds), turn=turn, seconds=seconds, eye=eye)
+
+
+@eqx.filter_jit
+def trips(
+    detector: AbstractDetector, starts: Start, *, turn: Turn = "random", seconds: float = SECONDS, eye: Eye = EYE
+) -> Trip:
+    """The trips of robots that start together, on all devices of this process."""
+    arrays, static = eqx.partition(detector, eqx.is_array)
+    count, devices = len(starts.key), jax.local_device_count()
+    # Filled up with the last one, so that all devices have as many.
+    padded = jax.tree.map(lambda leaf: leaf[np.minimum(np.arange(-(-count // devices) * devices), count - 1)], starts)
+
+    def trip(arrays, start: Start) -> Trip:
+        own = eqx.combine(arrays, static)
+        return drive(own, start.scene, start.pose, start.key, turn=turn, seconds=seconds, eye=eye)
+
+    return jax.tree.map(lambda leaf: leaf[:count], each_on_all_devices(trip, arrays, padded))
