@@ -39,11 +39,10 @@ def write_settings(names: list[str], candidates: int, arenas: int) -> None:
         with replaced(path) as temporary:
             text = json.dumps({name: known[name] for name in SPACES if name in known}, indent=1)
             temporary.write_text(text + "\n", encoding="utf-8")
-    if set(known) != set(SPACES):
-        return
-    fitted = detectors()["lgmd2"]
-    assert isinstance(fitted, NetworkDetector)
-    lgmd.save(fitted.network, path.with_name("model.json"), {"trained": "python -m benchmarks.arena --train"})
+        if name == "lgmd2":
+            fitted = SPACES[name].detector(training.settings)
+            assert isinstance(fitted, NetworkDetector)
+            lgmd.save(fitted.network, path.with_name("model.json"), {"recipe": "python -m benchmarks.arena --train"})
 
 
 def print_speed() -> None:

@@ -1,5 +1,5 @@
 # The public names. `__init__.py` loads each of them when it is first used.
-from ._camera import Scene as Scene, render as render
+from ._camera import EYE as EYE, Scene as Scene, render as render
 from ._detectors import (
     AbstractDetector as AbstractDetector,
     FrameDifference as FrameDifference,

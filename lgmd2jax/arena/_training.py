@@ -7,7 +7,7 @@ from typing import Any
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Float
 from scipy.stats import qmc
 from tqdm import tqdm
 
@@ -47,17 +47,17 @@ class Space:
     model: str | None
     ranges: Mapping[str, Range]
 
-    def detector(self, settings: Mapping[str, Float[Array, ""]]) -> AbstractDetector:
-        """The detector with these settings, which may be traced."""
+    def detector(self, settings: Mapping[str, float]) -> FrameDifference | NetworkDetector:
+        """The detector with these settings."""
+        values = [jnp.asarray(value, jnp.float32) for value in settings.values()]
         if self.model is None:
-            return FrameDifference(settings["threshold"])
+            return FrameDifference(*values)
         detector = NetworkDetector.of(model_named(self.model))
-        names = list(settings)
 
-        def where(detector):
-            return [getattr(detector.network.parameters, name) for name in names]
+        def where(detector: NetworkDetector) -> list[Any]:
+            return [getattr(detector.network.parameters, name) for name in settings]
 
-        return eqx.tree_at(where, detector, [settings[name] for name in names])
+        return eqx.tree_at(where, detector, values)
 
 
 # Table I is searched within its own ranges.
@@ -130,14 +130,14 @@ def train(space: Space, *, candidates: int = 32, arenas: int = 6, progress: bool
     """Drive robots with each of so many candidates, Sobol points of the space, and choose one."""
     seeds = range(FIRST_SEED, FIRST_SEED + arenas)
     layouts, starts = [random_layout(seed) for seed in seeds], Start.stacked(seeds)
-    shares = qmc.Sobol(len(space.ranges), seed=0).random(candidates)
+    shares = qmc.Sobol(len(space.ranges), seed=0).random(candidates)  # pyright: ignore[reportCallIssue]
     values = {name: each.at(share) for (name, each), share in zip(space.ranges.items(), shares.T, strict=True)}
 
     def outcome(detector: AbstractDetector) -> Outcome:
         return Outcome.of(layouts, trips(detector, starts))
 
     outcomes = [
-        outcome(space.detector({name: jnp.asarray(value[i], jnp.float32) for name, value in values.items()}))
+        outcome(space.detector({name: float(value[i]) for name, value in values.items()}))
         for i in tqdm(range(candidates), desc="candidates", disable=not progress, leave=False)
     ]
     without = outcome(NoDetector()).coverage.value
