@@ -54,6 +54,10 @@ from ._targets.rest import Onset as Onset, Rest as Rest
 from ._targets.spike_trains import SpikeTrains as SpikeTrains, spike_rate as spike_rate
 from ._targets.target import Target as Target
 from ._targets.weighted import Weighted as Weighted
+from ._trials.load import load_trials as load_trials
+from ._trials.peak_line import LoomingEstimate as LoomingEstimate, PeakTimes as PeakTimes
+from ._trials.trial import Trial as Trial
+from ._trials.trials import Trials as Trials
 from .fitting import (
     Fit as Fit,
     Free as Free,

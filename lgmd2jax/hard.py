@@ -13,7 +13,7 @@ while True:
 `load` proves itself: the file carries a short clip with the response to it, which must come out.
 `model.step(frame, interval=ms)` takes the time since the last frame where the camera's clock is known, and
 `model(frames)` gives the response to a whole clip. The equations are those of Fu, Hu & Yue (arXiv 1801.06452), with the
-mechanisms that the file names: inhibition that codes size, a graded shunt, a lag, a membrane.
+mechanisms that the file names: inhibition that codes size, a graded shunt, a lag, a membrane, change per time.
 
 It runs on Python 3.8 and NumPy 1.17 or later.
 """
@@ -55,9 +55,11 @@ MECHANISMS = {
     "shunt": {"m": "(0, inf)", "gamma": "(0, inf)"},
     "lag": {"lag": "[0, 80]"},
     "membrane": {"tau_cell": "[0, inf)"},
+    "rate": {},
 }
 EYE = ("rows", "cols", "degrees_per_pixel", "fps", "projection")
 MOST_FRAMES = 10000  # of persistence or of a window; more would only fill the memory
+REFERENCE_MS = 1000 / 30  # of change per time: MP and F are those of a frame that lasts so long
 TEST_VECTOR = ("fps", "tolerance", "frames", "response")
 CHANNELS = ("mp", "ffi", "smp", "smp_adapted", "spikes", "collision")
 
@@ -210,7 +212,8 @@ class HardLGMD2:
         v = self.parameters
         mp, f = sum(mp_sides), sum(f_sides) / pixels
         f_sides = tuple(side / pixels for side in f_sides)
-        late, f = self._delayed(mp, f, interval) if "lag" in self.mechanisms else (mp, f)
+        late, f = self._per_time(mp, f, interval) if "rate" in self.mechanisms else (mp, f)
+        late, f = self._delayed(late, f, interval) if "lag" in self.mechanisms else (late, f)
         self._ffi += self._coefficient(v["tau2"], interval) * (f - self._ffi)
         smp = self._potential_behind_inhibition(abs(late) / (pixels * v["k"]), interval)
         c = v["tau3"] / (v["tau3"] + interval)
@@ -222,6 +225,11 @@ class HardLGMD2:
         self._spikes = window[1:]
         alarm = sum(window) >= v["N_sp"]
         return Response(mp, self._ffi, smp, self._smp_adapted, spikes, alarm, mp_sides, f_sides)
+
+    def _per_time(self, mp, f, interval):
+        """MP and F as they would be of a frame of the reference's length. A share of the field is not a change."""
+        scale = REFERENCE_MS / interval
+        return scale * mp, f if "size" in self.mechanisms else scale * f
 
     def _delayed(self, mp, f, interval):
         """MP and F of `lag` ms ago, linear between frames, 0 before the first one."""

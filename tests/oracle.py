@@ -67,6 +67,7 @@ def respond(frames, fps, v, temperature=None, n_p=0, low_pass="backward_euler", 
     on, off, d_on, d_off = zeros(), zeros(), zeros(), zeros()
     held = zeros()
     ffi, excitation, u_before, adapted, spikes_before = 0.0, 0.0, 0.5, 0.5, [0.0] * N_ts
+    told = []
     out = {name: [] for name in (*CHANNELS, *SIDES, "f", "s", "s_gated", "g", "rise", "unfloored", "d")}
 
     for t, (frame, ti) in enumerate(zip(frames, intervals, strict=True)):
@@ -112,8 +113,12 @@ def respond(frames, fps, v, temperature=None, n_p=0, low_pass="backward_euler", 
             for x, y in pixels:
                 shares[0 if y < outer else 2 if y >= cols - outer else 1] += layer[x][y] / count
             out[name].append(shares)
+        if "rate" in mechanisms:  # as in a thirtieth of a second; a share of the field is not a change
+            per_time = 1000 / 30 / ti
+            mp, f = mp * per_time, f if "size" in mechanisms else f * per_time
+        told.append((mp, f))
         if "lag" in mechanisms:
-            mp, f = lagged(out["mp"], t), lagged(out["f"], t)
+            mp, f = (lagged(values, t) for values in zip(*told, strict=True))
 
         ffi += coefficient(v["tau2"]) * (f - ffi)  # eq. 14
         drive = abs(mp) / (len(pixels) * v["k"])

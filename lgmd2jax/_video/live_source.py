@@ -22,13 +22,13 @@ _WITHOUT_DELAY = {"flags": "low_delay", "probesize": "32768", "analyzeduration":
 class Arrival(NamedTuple):
     """A frame when it is taken.
 
-    - `index`: how many frames came before it, dropped ones included.
+    - `number`: how many frames came before it, dropped ones included.
     - `arrived`: when its bytes were there, by `time.monotonic`, in s.
     - `stamp`: when it was shot, by the clock of the source, in s; None where that states none.
     - `pixels`: to be converted on demand.
     """
 
-    index: int
+    number: int
     arrived: float
     stamp: float | None
     pixels: VideoPixels
@@ -85,14 +85,14 @@ class LiveSource:
     def _read(self) -> None:
         from av.error import FFmpegError
 
-        scaler, index = Scaler(), 0
+        scaler, number = Scaler(), 0
         try:
             for packet in self._container.demux(self._stream):
                 arrived = time.monotonic()
                 for frame in _frames(packet):
                     pixels = VideoPixels(frame, scaler, Orientation(), self._aspect, None)
-                    self._put(Arrival(index, arrived, frame.time, pixels))
-                    index += 1
+                    self._put(Arrival(number, arrived, frame.time, pixels))
+                    number += 1
                 if self._closed:
                     return
         except FFmpegError as fault:  # told where the frames are asked for, since nobody listens to a thread

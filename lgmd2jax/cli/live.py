@@ -90,14 +90,14 @@ def moments(
             shape = shape_after(name, size, crop, cols, nearly_square(pixels.aspect))
         if pixels.size != size:
             new, old = (f"{rows} x {cols}" for rows, cols in (pixels.size, size))
-            raise ValueError(f"{name}: frame {arrival.index} has {new} pixels, those before {old}; start anew")
+            raise ValueError(f"{name}: frame {arrival.number} has {new} pixels, those before {old}; start anew")
         interval = usual_ms if before is None else _interval(before, arrival)
         now_ms, before = now_ms + (0.0 if before is None else interval), arrival
         grey = pixels.grey(crop, shape)
         now = program.step(grey, interval)
         latency = 1000 * (time.monotonic() - arrival.arrived)
-        row = Row(arrival.index, now_ms, now.mp, now.ffi, now.smp, now.smp_adapted, now.spikes, int(now.collision))
-        frame = Frame(arrival.index, now_ms, interval, pixels, grey, False)
+        row = Row(arrival.number, now_ms, now.mp, now.ffi, now.smp, now.smp_adapted, now.spikes, int(now.collision))
+        frame = Frame(arrival.number, now_ms, interval, pixels, grey, False)
         yield frame, Moment(row, interval, latency, now.mp_sides, math.nan)
 
 

@@ -193,7 +193,7 @@ def test_the_newest_frame_waits_and_older_ones_are_dropped(place):
     with over_tcp(looms(30), fps=100.0) as url, live.open_live(url) as source:
         indices = []
         for arrival in source:
-            indices.append(arrival.index)
+            indices.append(arrival.number)
             time.sleep(0.1)
     assert source.dropped == indices[-1] + 1 - len(indices) > len(indices)
     assert indices == sorted(set(indices))

@@ -32,7 +32,8 @@ DCMD = lgmd.LGMD2(
 CODED = {"theta1": 0.5, "theta3": 0.002, "k": 1.0, "T_p": 40.0, "tau_hold": 90.0, "A_ffi": 0.2}
 EVERY = lgmd.LGMD2(
     lgmd.Parameters(**CODED, m=3.0, gamma=0.9, lag=37.0, tau_cell=15.0, T_sp=0.7, sigma_sp=0.08),
-    mechanisms=("size", "shunt", "lag", "membrane"),
+    mechanisms=("size", "shunt", "lag", "membrane", "rate"),
+    eye=lgmd.Eye(40, 56, 2.0, 40.0),
 )
 SIZE = lgmd.LGMD2(lgmd.Parameters(**CODED), low_pass="exact", mechanisms=("size",))
 MODELS = {
@@ -177,6 +178,8 @@ WRONG_MECHANISMS = [
     ('v["tau_cell"], interval) * (excitation - self._excitation)', 'v["tau_cell"], interval) * excitation'),
     ("            self._excitation = excitation\n", ""),
     ("return Response(mp, self._ffi", "return Response(late, self._ffi"),
+    ("scale = REFERENCE_MS / interval", "scale = interval / REFERENCE_MS"),
+    ('f if "size" in self.mechanisms else scale * f', "scale * f"),
 ]
 
 
