@@ -20,6 +20,7 @@ from lgmd2jax.cli.options import (
     export,
     fit,
     import_trials,
+    live,
     looming,
     predict,
     respond,
@@ -28,7 +29,20 @@ from lgmd2jax.cli.options import (
     watch,
 )
 
-_COMMANDS = (respond, watch, import_trials, looming, fit, predict, compare, characterise, sweep, stimuli, export)
+_COMMANDS = (
+    respond,
+    live,
+    watch,
+    import_trials,
+    looming,
+    fit,
+    predict,
+    compare,
+    characterise,
+    sweep,
+    stimuli,
+    export,
+)
 _MODULES = {"import": "import_trials"}  # of commands whose name is none of a module
 _EXAMPLES = """\
 examples:
