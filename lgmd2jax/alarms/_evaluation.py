@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import equinox as eqx
+import jax
 import numpy as np
 import scipy
 from jaxtyping import Array, Float
@@ -14,7 +15,8 @@ from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._signals import stretches
 from lgmd2jax.alarms._clip import ClipLabels, LabelledClip, Stretch
 from lgmd2jax.alarms._clip_batch import ClipBatch, batches_of
-from lgmd2jax.alarms._evidence import spikes_for_alarm
+from lgmd2jax.alarms._evidence import evidence, spikes_for_alarm
+from lgmd2jax.alarms._reasons import Drive, FalseAlarm, Miss, active_part, drive_of, false_alarms, misses
 
 
 class Verdict(NamedTuple):
@@ -25,6 +27,9 @@ class Verdict(NamedTuple):
     - `false_alarms`: how often it was raised or stood in a silence.
     - `warning_ms`: from the first alarm in a window to contact; NaN without either.
     - `margin`: how far T_sp may move until something here changes, in units of U'; negative where something is wrong.
+    - `fps`: frames a second that differ from the one before.
+    - `misses`, `raised`: why each missed window was missed, and where in the field each false alarm came from; empty
+      for evidence whose drive is not known.
     """
 
     clip: str
@@ -33,6 +38,9 @@ class Verdict(NamedTuple):
     false_alarms: int
     warning_ms: float
     margin: float
+    fps: float = math.nan
+    misses: tuple[Miss, ...] = ()
+    raised: tuple[FalseAlarm, ...] = ()
 
     @property
     def right(self) -> bool:
@@ -59,16 +67,22 @@ class Score(NamedTuple):
 class Evaluation:
     """The evidence for an alarm in every frame of every clip, so that every T_sp can be judged.
 
-    `T_sp`: the model's own.
+    - `T_sp`: the model's own.
+    - `drives`: what acted on the cell in each frame of every clip; none for evidence of another origin.
     """
 
     clips: tuple[ClipLabels, ...]
     evidence: tuple[Float[np.ndarray, " _time"], ...]
     T_sp: float
+    drives: tuple[Drive, ...] = ()
 
     def verdicts(self) -> tuple[Verdict, ...]:
         """What the model does on each clip."""
-        return tuple(_verdict(clip, trace, self.T_sp) for clip, trace in zip(self.clips, self.evidence, strict=True))
+        drives = self.drives or [None] * len(self.clips)
+        return tuple(
+            _verdict(clip, trace, drive, self.T_sp)
+            for clip, trace, drive in zip(self.clips, self.evidence, drives, strict=True)
+        )
 
     def operating_curve(
         self, thresholds: Float[np.ndarray, " threshold"]
@@ -131,20 +145,33 @@ def evaluate(model: LGMD2, clips: Sequence[LabelledClip]) -> Evaluation:
     """
     if not clips:
         raise ValueError("clips is empty; give at least one")
-    traces: list[np.ndarray] = [np.zeros(0)] * len(clips)
+    traces: dict[int, np.ndarray] = {}
+    drives: dict[int, Drive] = {}
     for batch in batches_of(clips):
-        padded = np.asarray(_traces(model, batch, spikes_for_alarm(model)))
-        for member, trace in zip(batch.members, padded, strict=True):
-            traces[member] = trace[: len(clips[member].frames)]
-    return Evaluation(tuple(clips), tuple(traces), float(model.parameters.T_sp))
+        padded, drive = jax.device_get(_judged(model, batch, spikes_for_alarm(model)))
+        for place, member in enumerate(batch.members):
+            length = len(clips[member].frames)
+            traces[member] = padded[place, :length]
+            drives[member] = Drive(*(channel[place, :length] for channel in drive))
+    order = range(len(clips))
+    T_sp = float(model.parameters.T_sp)
+    return Evaluation(tuple(clips), tuple(traces[i] for i in order), T_sp, tuple(drives[i] for i in order))
 
 
 @eqx.filter_jit
-def _traces(model: LGMD2, batch: ClipBatch, N_sp: int) -> Float[Array, "clip time"]:
-    return batch.traces(model, batch.sums(model), N_sp)
+def _judged(model: LGMD2, batch: ClipBatch, N_sp: int) -> tuple[Float[Array, "clip time"], Drive]:
+    """The evidence in every frame, and what acted on the cell."""
+    pixels = batch.frames[0, 0].size
+
+    def judged(sums, part, interval):
+        response = model.respond(sums, interval, pixels)
+        trace = evidence(response.smp_adapted, model.parameters.sigma_sp, N_sp, model.N_ts)
+        return trace, drive_of(model, sums.mp, response.ffi, part, interval, pixels, N_sp)
+
+    return jax.vmap(judged)(*batch.recorded(model, active_part), batch.interval)
 
 
-def _verdict(clip: ClipLabels, trace: np.ndarray, T_sp: float) -> Verdict:
+def _verdict(clip: ClipLabels, trace: np.ndarray, drive: Drive | None, T_sp: float) -> Verdict:
     on, silence, inside = trace >= T_sp, clip.in_silence(), clip.in_windows()
     margins = [float(trace[window].max()) - T_sp for window in inside]
     if silence.any():
@@ -160,6 +187,9 @@ def _verdict(clip: ClipLabels, trace: np.ndarray, T_sp: float) -> Verdict:
         false_alarms=_times_raised(on & silence),
         warning_ms=warning,
         margin=min(margins, default=math.nan),
+        fps=clip.fps,
+        misses=() if drive is None else misses(clip, trace, drive, T_sp),
+        raised=() if drive is None else false_alarms(clip, trace, drive, T_sp),
     )
 
 

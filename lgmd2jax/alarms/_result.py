@@ -27,8 +27,8 @@ class AlarmFit:
       right on all clips.
     - `ranges`: between which values each parameter lay in those.
     - `descended`: the best starts, and what descending brought.
-    - `left_out`: for each clip what a set gets wrong on it that was searched and chosen without it; empty for many
-      clips.
+    - `without`: for each source of recorded clips what a set that was searched and chosen without them does on all
+      recorded clips; empty for a single source and for very many.
     - `stopped`: whether it was stopped by hand.
     """
 
@@ -42,8 +42,21 @@ class AlarmFit:
     right: int
     ranges: Mapping[str, tuple[float, float]]
     descended: tuple[AlarmDescent, ...]
-    left_out: Mapping[str, int]
+    without: Mapping[str, Evaluation]
     stopped: bool
+
+    @property
+    def left_out(self) -> dict[str, int]:
+        """For each recorded clip how much a set gets wrong on it that was searched and chosen without its source.
+
+        Each missed window counts, and a broken silence once. Clips in which nothing is judged are left out.
+        """
+        wrong = {}
+        for source, evaluation in self.without.items():
+            for clip, verdict in zip(evaluation.clips, evaluation.verdicts(), strict=True):
+                if clip.source == source and (clip.windows or clip.in_silence().any()):
+                    wrong[verdict.clip] = verdict.hits.count(False) + (verdict.false_alarms > 0)
+        return wrong
 
     @property
     def watch(self) -> Evaluation:

@@ -41,11 +41,6 @@ class Contender:
         """From plain data, as JSON gives it back."""
         return cls(**{**plain, "z": tuple(plain["z"]), "peaks": tuple(plain["peaks"])})
 
-    def errors(self, problem: AlarmProblem, among: Bool[np.ndarray, " event"]) -> int:
-        """How many of these events go wrong."""
-        on = np.array(self.peaks) >= self.threshold
-        return int((on != problem.wanted)[among].sum())
-
 
 def risk(contender: Contender) -> float:
     """What the best contender has least of."""
@@ -56,7 +51,7 @@ def risk(contender: Contender) -> float:
 class Screening:
     """What became of a point anywhere.
 
-    - `best`: the contender at least risk. `best_without`: the same without the events of a clip, by its number, among
+    - `best`: the contender at least risk. `best_without`: the same without the events of a source, by its number, among
       cells that were chosen without them too.
     - `count`, `right`: how many cells were tried anywhere, and how many of them were right on all clips.
     - `ends`: lowest and highest values of these, in the unit box; None where none was right.
@@ -83,7 +78,7 @@ class AlarmStarts:
     """Each task takes the number of its start, and returns plain data with the risk as `loss`.
 
     - `max_steps`: of the solver, at each temperature.
-    - `left_out`: the events of each clip, by its number, without which a choice is made too.
+    - `left_out`: the events of each source, by its number, without which a choice is made too.
     """
 
     search: Search[AlarmProblem]
@@ -123,11 +118,11 @@ class AlarmStarts:
         cells = self._around(parent, 2 * reach, self._cells(number))
         return self._plain(self._closing_in(point, cells, reach, number))
 
-    def leave_out(self, chosen: Mapping[int, Contender], clip: int, stop: Stop) -> Result:
-        """The best contender without a clip's events, near the one `chosen` without them: no step sees the clip."""
-        point = np.array(chosen[clip].z)
+    def leave_out(self, chosen: Mapping[int, Contender], source: int, stop: Stop) -> Result:
+        """The best contender without a source's events, near the one `chosen` without them: no step sees the source."""
+        point = np.array(chosen[source].z)
         sums = sums_at(self.search.space, point)
-        return self._plain(self._closer(chosen[clip], sums, _ANYWHERE, clip, ~self.left_out[clip]))
+        return self._plain(self._closer(chosen[source], sums, _ANYWHERE, source, ~self.left_out[source]))
 
     def descend(self, chosen: Mapping[int, Contender], number: int, stop: Stop) -> Result:
         """The best contender that the hard model judged on the way to larger margins."""
@@ -172,8 +167,8 @@ class AlarmStarts:
 
     def _screening(self, plain: Result) -> Screening:
         without = map(Contender.of, plain["without"])
-        by_clip = dict(zip(self.left_out, without, strict=True))
-        return Screening(Contender.of(plain["best"]), by_clip, plain["count"], plain["right"], plain["ends"])
+        by_source = dict(zip(self.left_out, without, strict=True))
+        return Screening(Contender.of(plain["best"]), by_source, plain["count"], plain["right"], plain["ends"])
 
     def _peaks(
         self, point: Float[np.ndarray, " free"], sums: tuple[Sums, ...], cells: Float[np.ndarray, "cell entry"]
