@@ -114,9 +114,7 @@ class LabelFile:
         if not rendered:
             return Evaluation(clips, traces, float(model.parameters.T_sp), drives)
         others = evaluate(model, rendered)
-        return Evaluation(
-            (*clips, *others.clips), (*traces, *others.evidence), others.T_sp, (*drives, *others.drives)
-        )
+        return Evaluation((*clips, *others.clips), (*traces, *others.evidence), others.T_sp, (*drives, *others.drives))
 
     def _clips_of(self, source: "_Opened | Rendering") -> Iterator[LabelledClip]:
         if isinstance(source, Rendering):

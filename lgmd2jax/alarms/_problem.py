@@ -132,8 +132,9 @@ def problem_of(
 
 def _balanced(events: Sequence[Event], rendered: Collection[int], share: float) -> list[Event]:
     """The events, those of recorded clips together weighing `share` times those of rendered ones, if there are both."""
-    weights = [sum(event.weight for event in events if (event.clip in rendered) == is_rendered) for is_rendered in (0, 1)]
-    if not all(weights):
+    of_rendered = sum(event.weight for event in events if event.clip in rendered)
+    of_recorded = sum(event.weight for event in events) - of_rendered
+    if not (of_rendered and of_recorded):
         return list(events)
-    factor = share * weights[1] / weights[0]
+    factor = share * of_rendered / of_recorded
     return [event if event.clip in rendered else event._replace(weight=factor * event.weight) for event in events]

@@ -94,9 +94,7 @@ def drive_of(
     return Drive(uninhibited, ffi > model.cell.inhibited_from, *part)
 
 
-def misses(
-    clip: ClipLabels, trace: Float[np.ndarray, " time"], drive: Drive, T_sp: float
-) -> tuple[Miss, ...]:
+def misses(clip: ClipLabels, trace: Float[np.ndarray, " time"], drive: Drive, T_sp: float) -> tuple[Miss, ...]:
     """Why each window without an alarm has none.
 
     **Arguments:** `trace`: the evidence for an alarm.

@@ -10,6 +10,7 @@ from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._reports.section import Section, as_text, unfinished_section
 from lgmd2jax._words import warn_renamed
 from lgmd2jax.alarms import _report
+from lgmd2jax.alarms._comparison import Comparison
 from lgmd2jax.alarms._evaluation import Evaluation, HeldOutScores
 from lgmd2jax.alarms._starts import AlarmDescent
 from lgmd2jax.fitting import Free
@@ -64,20 +65,28 @@ class AlarmFit:
         warn_renamed("AlarmFit.watch", "AlarmFit.evaluation")
         return self.evaluation
 
-    def sections(self, held_out: HeldOutScores | None = None, unfinished: Sequence[str] = ()) -> list[Section]:
+    def sections(
+        self,
+        held_out: HeldOutScores | None = None,
+        unfinished: Sequence[str] = (),
+        comparisons: Mapping[str, Comparison] | None = None,
+    ) -> list[Section]:
         """The report's sections.
 
         **Arguments:** `held_out`: what models do on clips that the fit did not see. `unfinished`: what is still to
-        come, each in a few words.
+        come, each in a few words. `comparisons`: with plain detectors, each on the clips that its title names.
         """
         return [
             *unfinished_section(unfinished),
             _report.clip_section(self.evaluation, self.left_out),
-            *([] if held_out is None else [_report.held_out_section(held_out)]),
+            *([] if held_out is None or comparisons else [_report.held_out_section(held_out)]),
+            *(_report.comparison_section(title, each) for title, each in (comparisons or {}).items()),
             _report.search_section(self.screened, self.right, self.descended, self.left_out, self.stopped),
             _report.parameter_section(self.free, self.model.parameters, self.ranges),
         ]
 
-    def summary(self, held_out: HeldOutScores | None = None) -> str:
-        """The report as text, at most 110 columns wide."""
-        return as_text(self.sections(held_out))
+    def summary(
+        self, held_out: HeldOutScores | None = None, comparisons: Mapping[str, Comparison] | None = None
+    ) -> str:
+        """The report as text, at most 110 columns wide. Arguments: as of `sections`."""
+        return as_text(self.sections(held_out, comparisons=comparisons))

@@ -37,8 +37,8 @@ def streamed_evidence(model: LGMD2, clip: Clip) -> tuple[Timeline, Float[np.ndar
     film = Timeline(index, time, interval, clip.effective_fps, count)
     # The last frame is held to a power of two, so that few lengths are compiled.
     held = (1 << (len(index) - 1).bit_length()) - len(index)
-    padded = jax.tree.map(lambda channel: jnp.pad(channel, (0, held), mode="edge"), (response, interval))
-    judged = _judged(model, *padded, clip.shape[0] * clip.shape[1], spikes_for_alarm(model))
+    response, lasts = jax.tree.map(lambda channel: jnp.pad(channel, (0, held), mode="edge"), (response, interval))
+    judged = _judged(model, response, lasts, clip.shape[0] * clip.shape[1], spikes_for_alarm(model))
     trace, drive = jax.tree.map(lambda channel: np.asarray(channel)[: len(index)], judged)
     return film, trace, drive
 
