@@ -116,7 +116,9 @@ def comparison_figure(path: str | os.PathLike, comparison: Comparison) -> None:
 def _cross(axes: Axes, score: Score, **style) -> None:
     """A point with the intervals of hits and of false alarms."""
     (x, left, right), (y, low, high) = score.false_alarms, score.hits
-    axes.errorbar(x, y, xerr=[[x - left], [right - x]], yerr=[[y - low], [high - y]], elinewidth=0.7, linestyle="", **style)
+    axes.errorbar(
+        x, y, xerr=[[x - left], [right - x]], yerr=[[y - low], [high - y]], elinewidth=0.7, linestyle="", **style
+    )
 
 
 def worst_figure(path: str | os.PathLike, watch: Evaluation) -> None:

@@ -2,7 +2,9 @@
 
 import dataclasses
 import math
+import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -91,13 +93,21 @@ class LabelFile:
     def load(self, progress: Callable[[Iterable], Iterable] = iter) -> tuple[LabelledClip, ...]:
         """All clips, recorded ones first. `progress` wraps the loop over them; what is rendered counts as one.
 
-        All recorded clips are opened and their labels checked before the first is decoded.
+        All recorded clips are opened and their labels checked before the first is decoded, as many at a time as there
+        are cores.
 
         **Raises:** `ValueError` that names all clips whose files or labels are wrong.
         """
-        with within(f"{self.folder / self.name}.toml"):
-            sources = [*self._opened(), *([] if self.rendered is None else [self.rendered])]
-            return tuple(clip for source in progress(sources) for clip in self._clips_of(source))
+        pool = ThreadPoolExecutor(os.cpu_count())
+        try:
+            with within(f"{self.folder / self.name}.toml"):
+                sources = [
+                    *(pool.submit(opened.labelled) for opened in self._opened()),
+                    *([] if self.rendered is None else [self.rendered]),
+                ]
+                return tuple(clip for source in progress(sources) for clip in self._clips_of(source))
+        finally:
+            pool.shutdown(cancel_futures=True)
 
     def evaluate(self, model: LGMD2) -> Evaluation:
         """Run a model over all clips, recorded ones first, as `evaluate(model, file.load())` does.
@@ -116,11 +126,11 @@ class LabelFile:
         others = evaluate(model, rendered)
         return Evaluation((*clips, *others.clips), (*traces, *others.evidence), others.T_sp, (*drives, *others.drives))
 
-    def _clips_of(self, source: "_Opened | Rendering") -> Iterator[LabelledClip]:
+    def _clips_of(self, source: "Future[LabelledClip] | Rendering") -> Iterator[LabelledClip]:
         if isinstance(source, Rendering):
             yield from source.clips(self.eye)
         else:
-            yield source.labelled()
+            yield source.result()
 
     def _opened(self) -> list["_Opened"]:
         opened, faults = [], []

@@ -56,7 +56,7 @@ class Miss(NamedTuple):
 class FalseAlarm(NamedTuple):
     """An alarm in a silence, and the part of the field that drove it in the frames before.
 
-    `frames`: first and last. `field`, `row`, `col`: as in `Drive`.
+    `frames`: first and last. `field`, `row`, `col`: as in `Drive`, `field` where it was largest.
     """
 
     frames: Stretch
@@ -126,5 +126,5 @@ def false_alarms(
         field = np.asarray(drive.field, float)[before]
         weights = field / max(field.sum(), 1e-9)
         row, col = (float((weights * np.asarray(place)[before]).sum()) for place in (drive.row, drive.col))
-        found.append(FalseAlarm((int(clip.index[first]), int(clip.index[last])), float(field.mean()), row, col))
+        found.append(FalseAlarm((int(clip.index[first]), int(clip.index[last])), float(field.max()), row, col))
     return tuple(found)

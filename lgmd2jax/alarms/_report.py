@@ -104,20 +104,21 @@ def comparison_section(title: str, comparison: Comparison) -> Section:
     first = next(iter(comparison.detectors))
     sentences = (
         f"Thresholds that keep within a budget of false alarms: {comparison.training}.",
-        f"The last column: how much larger a share of the windows is hit by {WORDS.get(first, first)}.",
+        f"Ahead: how much larger a share of the windows the {WORDS.get(first, first)} hits at the same budget.",
         f"In brackets intervals, {INTERVALS}.",
     )
-    columns = ("detector", "threshold", "windows hit", "false alarms a minute", "fewer hits by")
+    columns = ("detector", "threshold", "windows hit", "false alarms a minute", "ahead by")
     return Section(title, columns, tuple(rows), sentences)
 
 
 def _compared(name: str, threshold: str, outcome: Outcome) -> tuple[str, ...]:
     score, more = outcome.counts.score(), outcome.more_hits
-    hits = f"{outcome.counts.hits.sum()} of {outcome.counts.windows.sum()}: {_percent(score.hits)}"
-    fewer = "" if more is None or math.isnan(more.value) else f"{more.value:+.1%}"
-    if fewer and more is not None and not math.isnan(more.low):
-        fewer += f" ({more.low:+.1%} .. {more.high:+.1%})"
-    return name, threshold, hits, _rate(score.false_alarms), fewer
+    hits = f"{outcome.counts.hits.sum()} of {outcome.counts.windows.sum()}"
+    hits += f" ({score.hits.low:.1%} .. {score.hits.high:.1%})"
+    ahead = "" if more is None or math.isnan(more.value) else f"{more.value:+.1%}"
+    if ahead and more is not None and not math.isnan(more.low):
+        ahead += f" ({more.low:+.1%} .. {more.high:+.1%})"
+    return name, threshold, hits, _rate(score.false_alarms), ahead
 
 
 def search_section(
