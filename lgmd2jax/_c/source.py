@@ -108,7 +108,7 @@ def _eye(eye: Eye | None) -> dict[str, Any]:
 
 
 def _test_vector(vector: Mapping[str, Any]) -> dict[str, Any]:
-    response = hard.Response(**vector["response"])
+    response = [vector["response"][name] for name in hard.CHANNELS]
     largest = [vector["tolerance"] * float(np.abs(channel).max()) for channel in response[:4]]
     return {
         "frames": [np.ravel(frame) for frame in vector["frames"]],

@@ -99,7 +99,7 @@ def _proved(kind: type[AbstractNetwork], content: Mapping[str, Any]) -> Abstract
     hard.check_test_vector(vector, content["eye"])
     model = _built(kind, content)
     response = model(np.array(vector["frames"], float), vector["fps"])
-    hard.prove(hard.Response(*(np.asarray(getattr(response, name)) for name in hard.Response._fields)), vector)
+    hard.prove(hard.Response(*(np.asarray(getattr(response, name)) for name in hard.CHANNELS)), vector)
     return model
 
 

@@ -1,5 +1,6 @@
 """The columns of a CSV file by name: its separator, its decimal sign, which column is the time, and in which unit."""
 
+import contextlib
 import csv
 import dataclasses
 import io
@@ -60,6 +61,12 @@ class Columns:
 
         **Raises:** as `text`, and `ValueError` for a cell that is no finite number.
         """
+        cells = self.text(name)
+        if self.decimal == ".":
+            with contextlib.suppress(ValueError):
+                values = np.array(cells, dtype=float)
+                if np.all(np.isfinite(values)) and not any("_" in cell for cell in cells):
+                    return values
         return np.array([self.number(cell, name, row) for row, cell in self.numbered(name)])
 
     def number(self, text: str, name: str, row: int) -> float:

@@ -16,7 +16,7 @@ ROWS, COLS, COUNT = 32, 48, 70
 LOOM = loom(COUNT, 60, COUNT - 5)
 STAMPS = np.cumsum([0, *[40] * 30, 200, *[40] * 37, 1000])
 MODEL = lgmd.LGMD2(lgmd.preset("lgmd2", T_sp=0.65, k=0.5))
-MECHANISMS = dataclasses.replace(MODEL, mechanisms=("size", "shunt", "lag", "membrane"))
+MECHANISMS = dataclasses.replace(MODEL, mechanisms=("size", "shunt", "lag", "membrane", "rate"))
 LABELS = """
 [eye]
 rows = 8

@@ -1,0 +1,135 @@
+"""Which recordings show a response to the approach: the rate of each animal and l/|v|, and what falls out."""
+
+import dataclasses
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+from scipy.ndimage import gaussian_filter1d
+
+from lgmd2jax._trials.trial import Trial
+
+_HIGHEST_BASE = 20.0  # spikes/s
+_TIMES_BASE, _ABOVE = 2.0, 20.0  # the peak must exceed so many times the base and so many spikes/s
+_EARLIEST, _MARGIN_MS, _LATEST_MS = 10.0, 50.0, 200.0  # of a peak: in l/|v| and ms before collision, in ms after
+_EDGE = 0.2  # of a trial, at either end, where the base is measured
+_BIN_MS = 1.0
+
+RULE = (
+    f"a session falls out where its base rate, the lower of its mean rates in the first and the last {_EDGE:.0%} of "
+    f"its trials, is {_HIGHEST_BASE:g} spikes/s or more; an l/|v| of an animal where the peak of the mean rate is not "
+    f"above {_TIMES_BASE:g} times the base plus {_ABOVE:g} spikes/s, or is earlier than {_EARLIEST:g} l/|v| + "
+    f"{_MARGIN_MS:g} ms before collision or later than {_LATEST_MS:g} ms after; an animal with fewer than two l/|v| "
+    "left has no line"
+)
+
+
+@dataclasses.dataclass(frozen=True)
+class Excluded:
+    """What is left out of the line of peak times, and why.
+
+    **Arguments:** `session` and `l_over_v` (ms): None for all of the animal.
+    """
+
+    animal: str
+    reason: str
+    session: str | None = None
+    l_over_v: float | None = None
+
+    def __str__(self):
+        session = f", session {self.session}" if self.session else ""
+        speed = "" if self.l_over_v is None else f", l/|v| {self.l_over_v:g} ms"
+        return f"{self.animal}{session}{speed}: {self.reason}"
+
+
+@dataclasses.dataclass(frozen=True)
+class Rates:
+    """Smoothed rates of all trials of an animal at one l/|v|, in spikes/s, where a peak may lie.
+
+    `time` in ms from collision, in steps of 1 ms; `rates` has a row a trial.
+    """
+
+    animal: str
+    l_over_v: float
+    time: Float[np.ndarray, " time"]
+    rates: Float[np.ndarray, "trial time"]
+
+
+def judged(trials: Sequence[Trial], kernel_ms: float) -> tuple[list[Rates], list[Excluded]]:
+    """The rates that pass `RULE`, by animal and l/|v|, and what does not.
+
+    **Raises:** `ValueError` for a trial without a number as `l_over_v`.
+    """
+    excluded, left = [], []
+    for (animal, session), own in _groups(trials, lambda trial: (trial.animal, trial.session)):
+        base = base_rate(own)
+        if base < _HIGHEST_BASE:
+            left += own
+        else:
+            excluded.append(Excluded(animal, f"base rate {base:.1f} spikes/s, as of noise", session or None))
+    passed = []
+    for (animal, speed), own in _groups(left, lambda trial: (trial.animal, l_over_v(trial))):
+        rates, reason = _rates(animal, speed, own, kernel_ms)
+        if reason:
+            excluded.append(Excluded(animal, reason, l_over_v=speed))
+        else:
+            passed.append(rates)
+    for animal in dict.fromkeys(rates.animal for rates in passed):
+        speeds = [rates.l_over_v for rates in passed if rates.animal == animal]
+        if len(speeds) < 2:
+            excluded.append(Excluded(animal, f"one l/|v| is left, {speeds[0]:g} ms; a line needs two"))
+            passed = [rates for rates in passed if rates.animal != animal]
+    return passed, excluded
+
+
+def l_over_v(trial: Trial) -> float:
+    """l/|v| of a trial in ms.
+
+    **Raises:** `ValueError` where its condition has none.
+    """
+    value = trial.condition.get("l_over_v")
+    if not isinstance(value, float):
+        raise ValueError(f"{trial} has no l/|v|; name its column, or give its value in ms, by l_over_v (--l-over-v)")
+    return value
+
+
+def base_rate(trials: Sequence[Trial]) -> float:
+    """The lower of the mean rates, in spikes/s, in the first and in the last part of these trials."""
+    rates = []
+    for from_end in (False, True):
+        count = span = 0.0
+        for trial in trials:
+            edge = _EDGE * (trial.end_ms - trial.start_ms)
+            at = trial.spikes_ms
+            count += np.sum(at >= trial.end_ms - edge if from_end else at < trial.start_ms + edge)
+            span += edge
+        rates.append(1000 * count / span)
+    return float(min(rates))
+
+
+def _rates(animal: str, speed: float, trials: Sequence[Trial], kernel_ms: float) -> tuple[Rates, str]:
+    """The rates where a peak may lie, and what speaks against them."""
+    start, end = max(trial.start_ms for trial in trials), min(trial.end_ms for trial in trials)
+    edges = np.arange(np.ceil(start), np.floor(end) + _BIN_MS / 2, _BIN_MS)
+    counts = np.stack([np.histogram(trial.spikes_ms, edges)[0] for trial in trials])
+    rates = 1000 / _BIN_MS * gaussian_filter1d(counts.astype(float), kernel_ms / _BIN_MS, axis=1, mode="constant")
+    time, mean, base = edges[:-1] + _BIN_MS / 2, rates.mean(axis=0), base_rate(trials)
+    peak, needed = float(mean.max()), _TIMES_BASE * base + _ABOVE
+    earliest = -_EARLIEST * speed - _MARGIN_MS
+    inside = (time >= earliest) & (time <= _LATEST_MS)
+    at = time[mean.argmax()]
+    reason = ""
+    if peak <= needed:
+        reason = f"peak {peak:.1f} spikes/s, not above {needed:.1f} at a base of {base:.1f}"
+    elif not earliest <= at <= _LATEST_MS:
+        reason = f"peak at {at:.0f} ms, not within {earliest:g} to {_LATEST_MS:g} ms from collision"
+    return Rates(animal, speed, time[inside], rates[:, inside]), reason
+
+
+def _groups(trials: Sequence[Trial], key: Callable[[Trial], Any]) -> Iterator[tuple[Any, list[Trial]]]:
+    """The trials that share a key, in the order of their keys' first trials."""
+    groups: dict[Any, list[Trial]] = {}
+    for trial in trials:
+        groups.setdefault(key(trial), []).append(trial)
+    yield from groups.items()
