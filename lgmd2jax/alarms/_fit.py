@@ -125,7 +125,8 @@ def fit(
             source: min((screening.best_without[source] for screening in anywhere.values()), key=risk)
             for source in events_of
         }
-        left_out = _contenders(work.do("leaving out", partial(starts.leave_out, without), events_of))
+        task = partial(starts.leave_out, without, [_REACH / 2**generation for generation in range(generations)])
+        left_out = _contenders(work.do("leaving out", task, events_of))
         stopped = work.stop.is_set()
     winner = min([*best.values(), *descents.values()], key=risk)
     recorded_clips = [clip for clip in clips if clip.source is not None]

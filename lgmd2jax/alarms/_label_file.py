@@ -222,7 +222,7 @@ class _Opened(NamedTuple):
             until_damage=bool(table.get("until_damage", False)),
         )
         opened = cls(table, place, clip)
-        opened.check_labels(clip.count)
+        opened.check_labels(clip.most)
         return opened
 
     @property
@@ -233,7 +233,7 @@ class _Opened(NamedTuple):
     def check_labels(self, count: int | None) -> None:
         """Raise `ValueError` for what is no label: labels are frames of the file, repeated ones included.
 
-        `count`: how many frames there are, where that is known.
+        `count`: how many frames there are, or are at most, where that is known.
         """
         name, table = self.name, self.table
         contact, last = table.get("contact"), math.inf if count is None else count - 1

@@ -53,7 +53,7 @@ def clip_section(evaluation: Evaluation, left_out: Mapping[str, int]) -> Section
     if not any(clip.silent for clip in evaluation.clips):
         sentences.append("No clip has a silence: nothing here speaks against a model that always fires.")
     columns = ("clip", "fps|", "alarms in frames", "before contact|", "margin|", "verdict", "why")
-    columns += ("without this clip",) if left_out else ()
+    columns += ("without its source",) if left_out else ()
     few = "" if len(rows) == len(verdicts) else f": the {_MOST} of least margin of {len(verdicts)}"
     table = tuple(_row(verdict, evaluation.T_sp, left_out) for verdict in rows)
     return Section(f"Clips{few}", columns, table, tuple(sentences))
@@ -135,9 +135,9 @@ def search_section(
     if left_out:
         kept = sum(not wrong for wrong in left_out.values())
         sentences.append(
-            f"Searched and chosen without a clip, the best set is right on that clip {kept} times of {len(left_out)}. "
-            "Each such search looks at the sets anywhere and closer around the best of these, so less far than the "
-            "fit."
+            f"Searched and chosen without a clip and the others of its source, the best set is right on that clip "
+            f"{kept} times of {len(left_out)}. Each such search looks at the sets anywhere and at a few near the best "
+            "of these, so less far than the fit."
         )
     if stopped:
         sentences.append("Stopped by hand: this is the best so far.")

@@ -5,6 +5,7 @@ import shutil
 import numpy as np
 import pytest
 
+from lgmd2jax._video.clip import open_clip
 from lgmd2jax._video.remarks import ClipWarning
 from lgmd2jax.alarms import Rendering, _decoding as module, load_labels
 from tests.videos import damaged, noise, write_folder, write_video
@@ -122,6 +123,13 @@ before_ms = [500, 0]
         ValueError, match=r"crash: alarm 30 to 20 is reversed.*second: silent 5 to 12 lies outside.*third: before_ms"
     ):
         load(place, text)
+
+
+def test_labels_beyond_the_end_show_before_decoding_where_the_file_announces_no_count(place, monkeypatch):
+    assert open_clip(place / "crash.mkv").count is None
+    monkeypatch.setattr("lgmd2jax._video.clip.Clip.record", lambda *_: pytest.fail("decoded"))
+    with pytest.raises(ValueError, match="silent 50 to 60 lies outside of the clip, whose frames are 0 to 59"):
+        load(place, '[[clip]]\nfile = "crash.mkv"\nsilent = [[50, 60]]\n')
 
 
 def test_a_cache_that_cannot_be_written_or_is_broken_is_done_without(place):
