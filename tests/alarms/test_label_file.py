@@ -191,7 +191,7 @@ def test_the_shipped_file_and_rendered_clips():
             '[[clip]]\nfile = "crash.mkv"\ncontact = 90\nbefore_ms = [500, 0]\n',
             "the clip ends 1033 ms before contact; give a longer time",
         ),
-        ('[[clip]]\nfile = "crash.mkv"\nweight = 0\n', r"clip\[0\]\.weight = 0: must be more than 0"),
+        ('[[clip]]\nfile = "crash.mkv"\nweight = 0\n', r"clip\[0\]\.weight = 0: must be above 0"),
         ('[[clip]]\nfile = "crash.mkv"\nsource = 3\n', r"clip\[0\]\.source = 3: must be a text"),
         ('[[clip]]\nfile = "crash.mkv"\nalarm = [[1, 2]]\nbefore_ms = [9, 0]\n', "alarm and before_ms are both given"),
         ("[rendered]\ncount = 0\n", r"rendered\.count = 0: must be 1 or more"),
