@@ -14,9 +14,21 @@ from types import ModuleType
 
 from lgmd2jax._compute.xla import set_flags
 from lgmd2jax._words import Remark, is_refusal
-from lgmd2jax.cli.options import characterise, compare, export, fit, looming, predict, respond, stimuli, sweep, watch
+from lgmd2jax.cli.options import (
+    characterise,
+    compare,
+    export,
+    fit,
+    live,
+    looming,
+    predict,
+    respond,
+    stimuli,
+    sweep,
+    watch,
+)
 
-_COMMANDS = (respond, watch, looming, fit, predict, compare, characterise, sweep, stimuli, export)
+_COMMANDS = (respond, live, watch, looming, fit, predict, compare, characterise, sweep, stimuli, export)
 _EXAMPLES = """\
 examples:
   lgmd2jax respond crash.mp4        run the paper's model on a video
