@@ -4,11 +4,12 @@ python -m benchmarks.arena                    simulated seconds in each second, 
 python -m benchmarks.arena --train            choose the settings of all detectors again, into fits/arena/
 python -m benchmarks.arena --train lgmd1      of this one; the others are kept
 
-Settings are chosen on arenas of other seeds than those that `lgmd2jax arena` judges on: of as many candidates for each
-detector the one with the fewest collisions per metre at three quarters or more of the coverage without a detector.
+Settings are chosen on arenas of other seeds than those that `lgmd2jax arena` judges on, with one budget for all: of as
+many candidates the one with the fewest collisions per metre, at three quarters of the coverage without a detector.
 """
 
 import argparse
+import dataclasses
 import json
 import os
 import time
@@ -22,19 +23,19 @@ from lgmd2jax._files.atomic import read_json, replaced
 from lgmd2jax._files.catalogue import folder
 from lgmd2jax.arena import NetworkDetector, Start, trips
 from lgmd2jax.arena._settings import SETTINGS, detectors
-from lgmd2jax.arena._training import SPACES, train
+from lgmd2jax.arena._training import BUDGET, SPACES, train
 
 _ROBOTS, _SECONDS, _ROUNDS = 100, 20.0, 3
 
 
-def write_settings(names: list[str], candidates: int, arenas: int) -> None:
+def write_settings(names: list[str]) -> None:
     """Train these detectors; write settings, what candidates there were, and the fitted model as a hand-over file."""
     path = folder("fits") / SETTINGS
     path.parent.mkdir(exist_ok=True)
     for name in names:
-        training = train(SPACES[name], candidates=candidates, arenas=arenas, progress=True)
+        training = train(SPACES[name], progress=True)
         known = read_json(path) if path.exists() else {}
-        known[name] = training.plain() | {"arenas": arenas}
+        known[name] = training.plain() | {"budget": dataclasses.asdict(BUDGET)}
         print(name, known[name], flush=True)
         with replaced(path) as temporary:
             text = json.dumps({name: known[name] for name in SPACES if name in known}, indent=1)
@@ -66,13 +67,11 @@ def main() -> None:
     """Measure, or train."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--train", nargs="*", metavar="NAME", help=f"of {', '.join(SPACES)} (default: all)")
-    parser.add_argument("--candidates", type=int, default=32, help="for each detector (default: %(default)s)")
-    parser.add_argument("--arenas", type=int, default=6, help="that each drives in (default: %(default)s)")
     options = parser.parse_args()
     set_flags()
     jax.config.update("jax_num_cpu_devices", os.cpu_count())
     if options.train is not None:
-        write_settings(options.train or list(SPACES), options.candidates, options.arenas)
+        write_settings(options.train or list(SPACES))
     else:
         print_speed()
 

@@ -7,6 +7,7 @@ that it comes to face the half behind it. A contact is counted once and answered
 nothing in a turn and starts anew with the first frame of the drive after it.
 """
 
+import math
 from typing import Any, Literal
 
 import equinox as eqx
@@ -80,13 +81,14 @@ def drive(
     - `turn`: `"random"` as in the paper; `"away"` from the side of more evidence, by 90 to 180 degrees.
     """
     steps = round(seconds * eye.fps)
-    angle_key, side_key, row_key, col_key = jax.random.split(key, 4)
-    low, high = np.radians(TURNS[turn])
+    low, high = map(math.radians, TURNS[turn])
+    # In float32, so that the chances are the same whatever JAX's default precision is.
+    angle, side, row, col = jax.random.uniform(key, (4, steps), jnp.float32)
     chance = (
-        jax.random.uniform(angle_key, (steps,), jnp.float32, low, high),
-        jax.random.rademacher(side_key, (steps,), jnp.float32),
-        jax.random.randint(row_key, (steps,), 0, _SHEET - eye.rows),
-        jax.random.randint(col_key, (steps,), 0, _SHEET - eye.cols),
+        low + (high - low) * angle,
+        jnp.where(side < 0.5, jnp.float32(-1), 1),
+        (row * (_SHEET - eye.rows)).astype(int),
+        (col * (_SHEET - eye.cols)).astype(int),
         jnp.arange(steps, dtype=jnp.float32) / np.float32(eye.fps),
     )
     noise = jnp.asarray(np.random.default_rng(0).standard_normal((_SHEET, _SHEET)), jnp.float32)

@@ -13,12 +13,25 @@ from tqdm import tqdm
 
 from lgmd2jax._handover.named import model_named
 from lgmd2jax.arena._detectors import AbstractDetector, FrameDifference, NetworkDetector, NoDetector
-from lgmd2jax.arena._layout import random_layout
-from lgmd2jax.arena._run import Start, trips
+from lgmd2jax.arena._layout import Layout
+from lgmd2jax.arena._run import Start, run, trips
 from lgmd2jax.arena._scores import Outcome
 
 FIRST_SEED = 1_000_000  # of the arenas for training; those judged count from 0
 LEAST_COVERAGE = 0.75  # of that without a detector; a quarter of it may be lost, as what is asked for leaves 30 %
+
+
+@dataclasses.dataclass(frozen=True)
+class Budget:
+    """What each detector may try: so many `candidates` in each of the `arenas`, and the best in `final_arenas`."""
+
+    candidates: int = 32
+    arenas: int = 6
+    finalists: int = 6
+    final_arenas: int = 18
+
+
+BUDGET = Budget()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -76,10 +89,11 @@ SPACES: Mapping[str, Space] = {
     "lgmd2": Space(
         "video",
         {
-            "T_s": Range(6, 25, log=True),
+            "T_s": Range(8, 30, log=True),
             "k": Range(0.5, 3, log=True),
-            "T_ffi": Range(8, 60, log=True),
-            "T_sfa": Range(1e-5, 3e-3, log=True),
+            "tau1": Range(5, 50),
+            "w_bias": Range(0.05, 1),
+            "T_ffi": Range(10, 60, log=True),
             "T_sp": Range(0.55, 0.8),
             "N_sp": Range(2, 6, whole=True),
         },
@@ -101,54 +115,76 @@ SPACES: Mapping[str, Space] = {
 
 @dataclasses.dataclass(frozen=True)
 class Training:
-    """The settings that were chosen, and how each candidate did.
-
-    - `settings`: of the one with the fewest collisions per metre among those whose coverage is at least
-      `LEAST_COVERAGE` of that without a detector; of the one with the most coverage where none has so much.
-    - `collisions_per_metre`, `coverage`: of each candidate; of the chosen one they are flattering.
-    """
+    """The settings that were chosen, and what they did in the arenas of the final, with a robot without a detector."""
 
     settings: dict[str, float]
-    chosen: int
-    candidates: dict[str, np.ndarray]
-    collisions_per_metre: np.ndarray
-    coverage: np.ndarray
-    coverage_without: float
+    outcome: Outcome
+    without: Outcome
 
     def plain(self) -> dict[str, Any]:
-        """What is kept of it as JSON."""
+        """As JSON."""
         return {
             "settings": self.settings,
-            "collisions_per_metre": round(float(self.collisions_per_metre[self.chosen]), 4),
-            "coverage": round(float(self.coverage[self.chosen]), 4),
-            "coverage_without": round(self.coverage_without, 4),
-            "candidates": len(self.coverage),
+            "collisions_per_metre": round(self.outcome.collisions_per_metre.value, 4),
+            "coverage": round(self.outcome.coverage.value, 4),
+            "coverage_without": round(self.without.coverage.value, 4),
         }
 
 
-def train(space: Space, *, candidates: int = 32, arenas: int = 6, progress: bool = False) -> Training:
-    """Drive robots with each of so many candidates, Sobol points of the space, and choose one."""
-    seeds = range(FIRST_SEED, FIRST_SEED + arenas)
-    layouts, starts = [random_layout(seed) for seed in seeds], Start.stacked(seeds)
-    shares = qmc.Sobol(len(space.ranges), seed=0).random(candidates)  # pyright: ignore[reportCallIssue]
+def train(space: Space, budget: Budget = BUDGET, *, progress: bool = False) -> Training:
+    """Drive robots by candidates, Sobol points of the space: all in a few arenas, the best in others, the best wins.
+
+    Better is, of those that cover `LEAST_COVERAGE` of what a robot without a detector covers, who collides less.
+    """
+    shares = qmc.Sobol(len(space.ranges), rng=np.random.default_rng(0)).random(budget.candidates)
     values = {name: each.at(share) for (name, each), share in zip(space.ranges.items(), shares.T, strict=True)}
-
-    def outcome(detector: AbstractDetector) -> Outcome:
-        return Outcome.of(layouts, trips(detector, starts))
-
-    outcomes = [
-        outcome(space.detector({name: float(value[i]) for name, value in values.items()}))
-        for i in tqdm(range(candidates), desc="candidates", disable=not progress, leave=False)
+    candidates = [
+        {name: float(f"{value[number]:.4g}") for name, value in values.items()} for number in range(budget.candidates)
     ]
-    without = outcome(NoDetector()).coverage.value
-    collisions = np.array([each.collisions_per_metre.value for each in outcomes])
-    coverage = np.array([each.coverage.value for each in outcomes])
-    chosen = choose(collisions, coverage, LEAST_COVERAGE * without)
-    settings = {name: float(f"{value[chosen]:.4g}") for name, value in values.items()}
-    return Training(settings, chosen, values, collisions, coverage, without)
+    first = Arenas.of(range(FIRST_SEED, FIRST_SEED + budget.arenas))
+    final = Arenas.of(range(FIRST_SEED + budget.arenas, FIRST_SEED + budget.arenas + budget.final_arenas))
+    with tqdm(total=budget.candidates + budget.finalists, desc="candidates", disable=not progress) as bar:
+
+        def ranked(candidates: list[dict[str, float]], arenas: Arenas) -> list[tuple[dict[str, float], Outcome]]:
+            outcomes = []
+            for settings in candidates:
+                outcomes.append(arenas.outcome(space.detector(settings)))
+                bar.update()
+            least = LEAST_COVERAGE * arenas.without.coverage.value
+            return [(candidates[number], outcomes[number]) for number in ranking(outcomes, least)]
+
+        finalists = [settings for settings, _ in ranked(candidates, first)[: budget.finalists]]
+        settings, outcome = ranked(finalists, final)[0]
+    return Training(settings, outcome, final.without)
 
 
-def choose(collisions: Sequence[float] | np.ndarray, coverage: Sequence[float] | np.ndarray, least: float) -> int:
-    """The candidate with the fewest collisions among those of at least this coverage, else of the most coverage."""
-    enough = np.asarray(coverage) >= least
-    return int(np.argmin(np.where(enough, collisions, np.inf)) if enough.any() else np.argmax(coverage))
+def ranking(outcomes: Sequence[Outcome], least: float) -> list[int]:
+    """Numbers of outcomes, the best first: those of at least this coverage by their collisions, then the others.
+
+    The others stand in the order of their coverage, the most first.
+    """
+
+    def place(number: int) -> tuple[bool, float]:
+        coverage, collisions = outcomes[number].coverage.value, outcomes[number].collisions_per_metre.value
+        return (False, collisions) if coverage >= least else (True, -coverage)
+
+    return sorted(range(len(outcomes)), key=place)
+
+
+@dataclasses.dataclass(frozen=True)
+class Arenas:
+    """Arenas with robots at their starts, and what robots without a detector do there."""
+
+    layouts: list[Layout]
+    starts: Start
+    without: Outcome
+
+    @classmethod
+    def of(cls, seeds: Sequence[int]) -> "Arenas":
+        """Those of these seeds."""
+        layouts, blind = run(NoDetector(), seeds)
+        return cls(layouts, Start.stacked(seeds), Outcome.of(layouts, blind))
+
+    def outcome(self, detector: AbstractDetector) -> Outcome:
+        """What robots with this detector do."""
+        return Outcome.of(self.layouts, trips(detector, self.starts))

@@ -74,9 +74,9 @@ def test_it_turns_where_it_stands_by_more_than_half_a_circle_after_each_alarm_an
 def test_a_contact_counts_once(without):
     """Until the robot has moved again, it is the same contact."""
     _, trips = without
+    assert trips.contact.sum() > len(SEEDS)
     for contacts, driven_cm in zip(np.asarray(trips.contact), np.asarray(trips.driven_cm), strict=True):
         at = np.flatnonzero(contacts)
-        assert len(at) >= 2
         for one, other in itertools.pairwise(at):
             assert driven_cm[one:other].sum() > 0
 
@@ -110,11 +110,10 @@ def test_vmapped_robots_do_what_single_ones_do(with_difference):
 
     @jax.jit
     def at_once(scene, pose, key):
-        return jax.vmap(lambda *start: lgmd.arena.drive(detector, *start, seconds=2.0, eye=EYE))(scene, pose, key)
+        return jax.vmap(lambda *start: lgmd.arena.drive(detector, *start, seconds=SECONDS, eye=EYE))(scene, pose, key)
 
     vmapped = at_once(starts.scene, starts.pose, starts.key)
-    frames = len(vmapped.alarm[0])
-    np.testing.assert_allclose(vmapped.pose.place, with_difference[1].pose.place[:, :frames], atol=1e-4)
+    np.testing.assert_allclose(vmapped.pose.place, with_difference[1].pose.place, atol=1e-3)
 
 
 @pytest.mark.parametrize("network", [lgmd.LGMD2(), lgmd.YueRindLGMD1()], ids=["LGMD2", "LGMD1"])
