@@ -103,4 +103,4 @@ fit = lgmd.fit(
     temperatures=(0.2, 0.05),
 )
 print({curve.condition: round(curve.r2(), 3) for curve in fit.curves})
-print({name: round(float(value), 3) for name, value in fit.parameters.items()})
+print({name: float(f"{value:.3g}") for name, value in fit.values.items()})
