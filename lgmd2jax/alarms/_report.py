@@ -81,7 +81,7 @@ def why(verdict: Verdict, T_sp: float) -> str:
 def _of_miss(miss: Miss, T_sp: float) -> str:
     frames = f"{miss.window[0]}-{miss.window[1]}:"
     late = "" if math.isnan(miss.late_ms) else f"late by {miss.late_ms:.0f} ms"
-    shut = f"inhibition shut {miss.inhibited:.0%} of it" if miss.inhibited else ""
+    shut = f"inhibition shut {miss.inhibited:.0%} of it" if miss.inhibited or miss.why == "inhibited" else ""
     weak = f"too weak, {miss.evidence:.3f} of {T_sp:.3f}" if miss.why == "weak" else ""
     return f"{frames} {', '.join(filter(None, (weak, shut, late)))}"
 
