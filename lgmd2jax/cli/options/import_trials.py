@@ -12,14 +12,13 @@ examples:
   lgmd2jax import recordings/ -o mine --fps 60 --stop-angle 80    trials.csv and spikes.csv of a session's clock
   lgmd2jax import a.nwb b.nwb -o mine --event collision_time      one file an animal
   lgmd2jax import trials.txt -o mine --time-unit s --l-over-v 40  a column a trial, one l/|v|
-  lgmd2jax looming mine
-  lgmd2jax fit mine/fit.toml
 
 The folder holds
   trials.png      a raster and the rates of each condition
   trials.csv, spikes.csv   all trials, in ms from collision
   protocol.toml   the looms that were shown, with the spikes in targets/ as what a fit aims at
   fit.toml        the recipe of a fit, to be changed as you like
+Then `lgmd2jax looming mine` tells alpha and delta, and `lgmd2jax fit mine/fit.toml` fits the model.
 Sessions of noise, and animals that do not answer, are told and left out of the targets, as lgmd2jax looming does.
 """
 
