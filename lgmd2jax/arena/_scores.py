@@ -61,7 +61,7 @@ class Outcome:
         return _bootstrap(len(self.metres), self._visited)
 
     def collisions_by(self, other: "Outcome") -> Estimate:
-        """Collisions per metre by those of another detector in the same arenas."""
+        """Collisions per metre by those of another detector in the same arenas; NaN where neither has any."""
         return _bootstrap(len(self.metres), lambda arenas: self._rate(arenas) / other._rate(arenas))
 
     def coverage_by(self, other: "Outcome") -> Estimate:
@@ -88,5 +88,7 @@ def _bootstrap(count: int, statistic: Callable[[np.ndarray], np.ndarray]) -> Est
     """The statistic of arenas by number, and its interval where arenas are drawn with replacement."""
     drawn = np.random.default_rng(0).integers(count, size=(_RESAMPLES, count))
     with np.errstate(divide="ignore", invalid="ignore"):
-        low, high = np.nanpercentile(statistic(drawn), _INTERVAL)
-        return Estimate(float(statistic(np.arange(count))), float(low), float(high))
+        value, resampled = statistic(np.arange(count)), statistic(drawn)
+    known = resampled[np.isfinite(resampled)]
+    low, high = np.percentile(known, _INTERVAL) if known.size else (np.nan, np.nan)
+    return Estimate(float(value), float(low), float(high))

@@ -2,34 +2,35 @@
 
 import json
 
+import jax.numpy as jnp
 import pytest
 from PIL import Image
 
-from lgmd2jax.cli import main
+from lgmd2jax.arena import FrameDifference, detectors
+from lgmd2jax.cli import arena as command, main
 
 NAMES = ["none", "table1", "lgmd2", "lgmd1", "difference"]
 
 
-@pytest.fixture
-def result(tmp_path, capsys):
-    """What a second in two arenas leaves."""
-    line = ["arena", "--seeds", "2", "--seconds", "1", "--json", "a.json", "--figure", "a.png"]
-    line = [str(tmp_path / word) if word.startswith("a.") else word for word in line]
-    assert main(line) == 0, capsys.readouterr().err
-    return tmp_path, capsys.readouterr().out
+def test_the_detectors_that_are_compared():
+    assert list(detectors()) == NAMES
 
 
-def test_numbers_and_figure(result):
-    folder, said = result
-    detectors = json.loads((folder / "a.json").read_text())["detectors"]
-    assert list(detectors) == NAMES
-    for measures in detectors.values():
+def test_numbers_and_figure(tmp_path, capsys, monkeypatch):
+    """With detectors that compile fast in the place of networks."""
+    fast = {name: FrameDifference(jnp.asarray(5.0 + place, jnp.float32)) for place, name in enumerate(NAMES)}
+    monkeypatch.setattr(command, "detectors", lambda model: fast)
+    line = ["--seeds", "2", "--seconds", "4", "--json", str(tmp_path / "a.json"), "--figure", str(tmp_path / "a.png")]
+    assert main(["arena", *line]) == 0, capsys.readouterr().err
+    measured = json.loads((tmp_path / "a.json").read_text())["detectors"]
+    assert list(measured) == NAMES
+    for measures in measured.values():
         assert set(measures) == {"collisions_per_metre", "coverage"}
         for estimate in measures.values():
             assert set(estimate) == {"value", "low", "high"}
             assert estimate["low"] <= estimate["value"] <= estimate["high"]
-    assert [line.split()[0] for line in said.splitlines()[1:6]] == NAMES
-    with Image.open(folder / "a.png") as picture:
+    assert [line.split()[0] for line in capsys.readouterr().out.splitlines()[1:6]] == NAMES
+    with Image.open(tmp_path / "a.png") as picture:
         assert picture.width > picture.height
 
 
