@@ -14,7 +14,7 @@ from lgmd2jax.cli.all_cores import use_all_cores
 
 _DRAWN = 4  # arenas of a figure, as in the paper
 _LONGEST = 3600  # seconds of a trip
-_ROW = "{:12}{:>24}{:>24}{:>24}{:>24}"
+_ROW = "{:12}{:>26}{:>26}{:>26}{:>24}"
 
 
 def run(options: argparse.Namespace) -> None:

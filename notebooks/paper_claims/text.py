@@ -103,7 +103,9 @@ def ablations() -> Finding:
     )
 
 
-@claim(31, "Fig. 14", "A robot in an arena avoids collisions.", {"fitted parameters": {"name": "lgmd2"}})
+@claim(
+    31, "Fig. 14", "A robot in an arena avoids collisions.", {"fitted, thresholds set for the arena": {"name": "lgmd2"}}
+)
 def arena(name: str = "table1") -> Finding:
     """A simulated robot for a minute in each of 100 arenas, beside one that sees nothing."""
     detectors = lgmd.arena.detectors()
@@ -112,7 +114,7 @@ def arena(name: str = "table1") -> Finding:
     return Finding(
         f"simulated, {ARENAS} arenas: {seeing.collisions_per_metre} collisions a metre, {blind.collisions_per_metre} "
         f"without a detector; the floor covered is {coverage} of that without",
-        {"a quarter of the collisions or fewer": fewer.high <= 0.25, "drives on": coverage.low >= 0.7},
+        {"a quarter of the collisions or fewer": fewer.high <= 0.25, "70 % of the coverage": coverage.value >= 0.7},
     )
 
 
