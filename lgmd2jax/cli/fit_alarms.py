@@ -12,6 +12,7 @@ from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._network.parameters import preset
 from lgmd2jax._results.alarm_folder import AlarmFolder
 from lgmd2jax._results.results_folder import MARKER, SEARCH
+from lgmd2jax._results.urgency import add_urgency
 from lgmd2jax.alarms import AlarmRecipe, HeldOutScores, LabelledClip, evaluate, load_labels
 from lgmd2jax.cli.recipe_results import folder_of, kept_work, records, write_stopped
 
@@ -44,7 +45,9 @@ def run(options: argparse.Namespace, recipe: AlarmRecipe, start: float) -> None:
         if recipe.validation is not None:
             scores = _held_out_scores(recipe, fit.model)
             results.add(scores)
+        said = "" if recipe.within_ms is None else add_urgency(folder, clips, recipe.held_out(), recipe.within_ms)
     print(fit.summary(scores))
+    print(said)
     print(f"\nwrote {folder}/ in {time.monotonic() - start:.0f} s; open {folder}/report.html")
 
 

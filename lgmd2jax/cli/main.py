@@ -15,6 +15,7 @@ from types import ModuleType
 from lgmd2jax._compute.xla import set_flags
 from lgmd2jax._words import Remark, is_refusal
 from lgmd2jax.cli.options import (
+    calibrate,
     characterise,
     compare,
     export,
@@ -28,7 +29,7 @@ from lgmd2jax.cli.options import (
     watch,
 )
 
-_COMMANDS = (respond, live, watch, looming, fit, predict, compare, characterise, sweep, stimuli, export)
+_COMMANDS = (respond, live, watch, looming, fit, calibrate, predict, compare, characterise, sweep, stimuli, export)
 _EXAMPLES = """\
 examples:
   lgmd2jax respond crash.mp4        run the paper's model on a video
