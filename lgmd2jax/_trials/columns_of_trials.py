@@ -22,6 +22,10 @@ def drafts_of_columns(table: Columns, reading: Reading, animal: str) -> list[Dra
 
     **Raises:** `ValueError` for a label that tells no trial, for a missing unit, and for cells that are no numbers.
     """
+    if len(table.header) == 1 and any(sign in table.header[0] for sign in ",;\t"):
+        raise ValueError(
+            f"there is one column, {table.header[0]!r}, separated by {table.separator!r}; give another separator"
+        )
     lines = [table.header, *table.rows]
     above = list(itertools.takewhile(lambda cells: role_of(cells[0]), lines))
     if above:

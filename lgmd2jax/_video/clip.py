@@ -16,6 +16,7 @@ from lgmd2jax._video.pictures import Pictures, Pixels, open_pictures
 from lgmd2jax._video.recording import Recording
 from lgmd2jax._video.remarks import warn
 from lgmd2jax._video.repeats import find_repeats
+from lgmd2jax._video.video_file import VideoFile
 
 # Containers round time stamps to a millisecond: a stamp so near to the regular clock says nothing against it.
 _ROUNDING_MS = 1.0
@@ -78,6 +79,13 @@ class Clip:
     def count(self) -> int | None:
         """How many frames to expect, where that is known."""
         return self.pictures.count if self.repeats is None else len(self.repeats)
+
+    @property
+    def most(self) -> int | None:
+        """A number of frames that is not exceeded, where that is known without decoding."""
+        if self.count is None and isinstance(self.pictures, VideoFile):
+            return self.pictures.packets()
+        return self.count
 
     @property
     def effective_fps(self) -> float:

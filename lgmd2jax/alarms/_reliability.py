@@ -6,7 +6,7 @@ import numpy as np
 import scipy
 from jaxtyping import Bool, Float, Int
 
-from lgmd2jax.alarms._evaluation import Share
+from lgmd2jax.alarms._counts import Share
 
 _BINS = 10
 _RESAMPLES = 400

@@ -20,6 +20,7 @@ from lgmd2jax.cli.options import (
     compare,
     export,
     fit,
+    import_trials,
     live,
     looming,
     predict,
@@ -29,7 +30,22 @@ from lgmd2jax.cli.options import (
     watch,
 )
 
-_COMMANDS = (respond, live, watch, looming, fit, calibrate, predict, compare, characterise, sweep, stimuli, export)
+_COMMANDS = (
+    respond,
+    live,
+    watch,
+    import_trials,
+    looming,
+    fit,
+    calibrate,
+    predict,
+    compare,
+    characterise,
+    sweep,
+    stimuli,
+    export,
+)
+_MODULES = {"import": "import_trials"}  # of commands whose name is none of a module
 _EXAMPLES = """\
 examples:
   lgmd2jax respond crash.mp4        run the paper's model on a video
@@ -143,7 +159,7 @@ def _loaded(command: str) -> ModuleType:
     import jax
 
     jax.config.update("jax_enable_x64", True)
-    return importlib.import_module(f"lgmd2jax.cli.{command}")
+    return importlib.import_module(f"lgmd2jax.cli.{_MODULES.get(command, command)}")
 
 
 def _explanation(error: BaseException) -> tuple[str, int]:

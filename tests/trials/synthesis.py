@@ -144,18 +144,18 @@ def write_matlab_73(path: pathlib.Path, made: list[Made]) -> None:
         file.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64")
 
 
-def write_nwb(path: pathlib.Path, made: list[Made]) -> None:
+def write_nwb(path: pathlib.Path, made: list[Made], event: str = "collision_time") -> None:
     """One animal: a unit on the clock of the session, and a table of trials."""
     start = datetime.datetime(2020, 1, 1, tzinfo=datetime.UTC)
     library: Any = pynwb
     file = library.NWBFile("looms", "synthetic", start)
     file.subject = library.file.Subject(subject_id=made[0].animal, species="Locusta migratoria")
-    for name in ("trial", "l_over_v_ms", "collision_time"):
+    for name in ("trial", "l_over_v_ms", event):
         file.add_trial_column(name, name)
     spikes = []
     for trial, impact in zip(made, _impacts(made), strict=True):
         first, last = (impact + edge / 1000 for edge in WINDOW)
-        file.add_trial(first, last, trial=int(trial.trial), l_over_v_ms=trial.l_over_v, collision_time=impact)
+        file.add_trial(first, last, trial=int(trial.trial), l_over_v_ms=trial.l_over_v, **{event: impact})
         spikes += [impact + t / 1000 for t in trial.spikes]
     file.add_unit(spike_times=np.array(spikes))
     with library.NWBHDF5IO(path, "w") as writer:
