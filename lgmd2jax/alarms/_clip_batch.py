@@ -47,11 +47,12 @@ class ClipBatch(eqx.Module):
 
 
 def batches_of(clips: Sequence[LabelledClip]) -> tuple[ClipBatch, ...]:
-    """All clips, those of a raster in one batch."""
-    rasters: dict[tuple, list[int]] = {}
+    """All clips, in one batch those of a raster whose lengths differ by less than a factor of two."""
+    alike: dict[tuple, list[int]] = {}
     for number, clip in enumerate(clips):
-        rasters.setdefault((*clip.frames.shape[1:], clip.frames.dtype), []).append(number)
-    return tuple(_batch([clips[member] for member in members], tuple(members)) for members in rasters.values())
+        octave = (len(clip.frames) - 1).bit_length()
+        alike.setdefault((*clip.frames.shape[1:], clip.frames.dtype, octave), []).append(number)
+    return tuple(_batch([clips[member] for member in members], tuple(members)) for members in alike.values())
 
 
 def _batch(clips: Sequence[LabelledClip], members: tuple[int, ...]) -> ClipBatch:
