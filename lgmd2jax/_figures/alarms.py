@@ -7,9 +7,10 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from lgmd2jax._figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, drawn
+from lgmd2jax._figures.style import BLACK, BLUE, COLOURS, GREEN, GREY, MARKS, VERMILION, drawn
 from lgmd2jax._signals import stretches
-from lgmd2jax.alarms import ClipLabels, Evaluation, LabelledClip, Verdict
+from lgmd2jax.alarms import ClipLabels, Comparison, Evaluation, LabelledClip, Score, Verdict
+from lgmd2jax.alarms._detectors import WORDS
 from lgmd2jax.alarms._report import headline
 
 _LINES = 30  # clips at most
@@ -84,6 +85,40 @@ def operating_figure(path: str | os.PathLike, watch: Evaluation) -> None:
             lead.hist(warnings, bins=min(20, len(warnings)), color=BLUE, alpha=0.7)
         lead.axvline(0, color=BLUE, linestyle=":", linewidth=1)
         lead.set(xlabel="first alarm before contact (ms)", ylabel="windows")
+
+
+def comparison_figure(path: str | os.PathLike, comparison: Comparison) -> None:
+    """Hits against false alarms a minute of all detectors, with 95 % intervals, and each over all its thresholds.
+
+    A filled mark is a detector at its own threshold, an open one at a budget of false alarms. A line follows all
+    thresholds on the same clips, so that it flatters where the open marks do not.
+    """
+    with drawn(path, 7, 4.6) as figure:
+        axes = figure.subplots()
+        for (name, compared), colour, mark in zip(comparison.detectors.items(), COLOURS, MARKS, strict=False):
+            levels = np.concatenate(compared.evaluation.evidence)
+            hits, false = compared.evaluation.operating_curve(np.quantile(levels, np.linspace(0, 1, _STEPS)))
+            axes.plot(false, hits, color=colour, alpha=0.4, linewidth=1)
+            for outcome in compared.at_budgets.values():
+                _cross(axes, outcome.counts.score(), color=colour, marker=mark, markerfacecolor="none")
+            if compared.own is not None:
+                _cross(axes, compared.own.counts.score(), color=colour, marker=mark, markersize=8)
+            axes.plot([], [], color=colour, marker=mark, label=WORDS.get(name, name))
+        most = max(
+            outcome.counts.score().false_alarms.high
+            for compared in comparison.detectors.values()
+            for outcome in [*compared.at_budgets.values(), *([] if compared.own is None else [compared.own])]
+        )
+        axes.set(xlabel="false alarms a minute", ylabel="windows hit", ylim=(-0.03, 1.03), xlim=(-0.03 * most, most))
+        axes.legend(ncols=3, loc="lower center", bbox_to_anchor=(0.5, 1.0))
+
+
+def _cross(axes: Axes, score: Score, **style) -> None:
+    """A point with the intervals of hits and of false alarms."""
+    (x, left, right), (y, low, high) = score.false_alarms, score.hits
+    axes.errorbar(
+        x, y, xerr=[[x - left], [right - x]], yerr=[[y - low], [high - y]], elinewidth=0.7, linestyle="", **style
+    )
 
 
 def worst_figure(path: str | os.PathLike, watch: Evaluation) -> None:

@@ -58,11 +58,7 @@ def document(model: AbstractNetwork, provenance: Mapping[str, Plain] | None = No
         eye |= {name: float(eye[name]) for name in ("degrees_per_pixel", "fps") if eye[name] is not None}
     structure = {name: value for name, value in structure_of(model).items() if name != "mechanisms"}
     fps = None if eye is None else eye["fps"]
-    if isinstance(model, LGMD2):
-        together = {**parameters, **{name: value for table in mechanisms.values() for name, value in table.items()}}
-        vector = make_test_vector(hard.HardLGMD2(together, mechanisms=tuple(mechanisms), **structure), fps)
-    else:
-        vector = response_vector(model, fps)
+    vector = make_test_vector(as_hard(model), fps) if isinstance(model, LGMD2) else response_vector(model, fps)
     return {
         "format": hard.FORMAT,
         "version": hard.VERSION,
@@ -111,6 +107,15 @@ def as_lgmd2(model: AbstractNetwork) -> LGMD2:
     if not isinstance(model, LGMD2):
         raise ValueError(f"the model is a {type(model).__name__}; hard.py and the C run the LGMD2 alone")
     return model
+
+
+def as_hard(model: LGMD2) -> hard.HardLGMD2:
+    """The model as a robot's program runs it, without a frame rate: every step is given its interval."""
+    parameters, mechanisms = _values(model)
+    for values in mechanisms.values():
+        parameters |= values
+    structure = {name: value for name, value in structure_of(model).items() if name != "mechanisms"}
+    return hard.HardLGMD2(parameters, mechanisms=tuple(mechanisms), **structure)
 
 
 def _values(model: AbstractNetwork) -> tuple[dict[str, float], dict[str, dict[str, float]]]:

@@ -52,7 +52,7 @@ _LEFT_OUT = either(
 )
 _VALIDATION = table("Validation", {"leave_one_out": _LEFT_OUT, "looming_law": Truth})
 _CHOICE = table("Choice", {"properties": Truth})
-_WEIGHTS = table("Weights", {"miss": NotNegative, "false_alarm": NotNegative})
+_WEIGHTS = table("Weights", {"miss": NotNegative, "false_alarm": NotNegative, "recorded": Positive})
 
 
 def _fit(network: type[AbstractNetwork]) -> type[BaseModel]:

@@ -29,7 +29,7 @@ class Columns:
 
     - `header`: the names, each as often as it stands there.
     - `rows`: as long as the header. `row_numbers`: those of the file, from 1.
-    - `separator`: that of the cells. `decimal`: the sign in numbers, "." or ",".
+    - `separator`: that of the cells, "" of what is no text file. `decimal`: the sign in numbers, "." or ",".
     """
 
     header: tuple[str, ...]
@@ -48,7 +48,8 @@ class Columns:
             raise ValueError(f"{count} columns are named {name!r}; give each a name of its own")
         if not count:
             known = nearest(name, self.header)
-            raise ValueError(f"no column {name!r}; choose {known} (cells are separated by {self.separator!r})")
+            cells = f" (cells are separated by {self.separator!r})" if self.separator else ""
+            raise ValueError(f"no column {name!r}; choose {known}{cells}")
         place = self.header.index(name)
         return tuple(row[place] for row in self.rows)
 

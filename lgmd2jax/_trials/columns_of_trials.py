@@ -1,23 +1,14 @@
 """Trials from a table with a column a trial, whose spike times stand below its label."""
 
 import itertools
-import re
 from collections.abc import Sequence
 
 from lgmd2jax._targets.columns import Columns
 from lgmd2jax._targets.units import size_of
-from lgmd2jax._trials.header import CONDITIONS, ROLES, milliseconds, split
+from lgmd2jax._trials.header import CONDITIONS, UNIT_IN_BRACKETS, label_in, milliseconds, role_of, split
 from lgmd2jax._trials.reading import Draft, Reading
 
 _PADDING = ("", "nan")  # of columns that are shorter than others
-_UNIT = re.compile(r"\s*[\[(]\s*(\w+)\s*[\])]\s*$")
-_PARTS = {
-    "l_over_v": re.compile(
-        r"(?<![a-z])(?:l[_ ]?over[_ ]?v|l/\|?v\|?|lv)[\s_=:]*(\d+(?:[.p]\d+)?)\s*(?:ms)?(?![a-z0-9])", re.I
-    ),
-    "trial": re.compile(r"(?<![a-z])(?:trial|repeat|rep|sweep|t|r)[\s_=:#]*(\d+)(?![a-z0-9])", re.I),
-    "animal": re.compile(r"(?<![a-z])(?:animal|locust|subject|cell)[\s_=:]*([a-z0-9-]+)(?![a-z0-9])", re.I),
-}
 _CURE = "name each A_lv20_trial3, say, or write rows animal, l_over_v_ms and trial above the times"
 
 
@@ -31,16 +22,20 @@ def drafts_of_columns(table: Columns, reading: Reading, animal: str) -> list[Dra
 
     **Raises:** `ValueError` for a label that tells no trial, for a missing unit, and for cells that are no numbers.
     """
+    if len(table.header) == 1 and any(sign in table.header[0] for sign in ",;\t"):
+        raise ValueError(
+            f"there is one column, {table.header[0]!r}, separated by {table.separator!r}; give another separator"
+        )
     lines = [table.header, *table.rows]
-    above = list(itertools.takewhile(lambda cells: _role(cells[0]), lines))
+    above = list(itertools.takewhile(lambda cells: role_of(cells[0]), lines))
     if above:
-        names = [_role(cells[0]) for cells in above]
+        names = [role_of(cells[0]) for cells in above]
         labels = [dict(zip(names, cells, strict=True)) for cells in zip(*(cells[1:] for cells in above), strict=True)]
-        speed = next((cells[0] for cells in above if _role(cells[0]) == "l_over_v"), "")
+        speed = next((cells[0] for cells in above if role_of(cells[0]) == "l_over_v"), "")
         factor = size_of(split(speed)[1] or "ms", "ms") or 1.0
         rows, first, unit = table.rows[len(above) - 1 :], 1, _unit_of_labels(lines[len(above) :])
     else:
-        labels = [_parts(name) for name in table.header]
+        labels = [label_in(name) for name in table.header]
         factor, rows, first, unit = 1.0, table.rows, 0, _unit_of_names(table.header)
     drafts = []
     numbers = table.row_numbers[len(table.row_numbers) - len(rows) :]
@@ -62,31 +57,8 @@ def drafts_of_columns(table: Columns, reading: Reading, animal: str) -> list[Dra
     return drafts
 
 
-def _role(cell: str) -> str | None:
-    """What a row of labels tells, by its first cell."""
-    base = split(cell)[0]
-    if base in CONDITIONS:
-        return base
-    return next((role for role in ("animal", "session", "trial", "l_over_v") if base in ROLES[role]), None)
-
-
-def _parts(name: str) -> dict[str, str]:
-    """Animal, l/|v| and trial in the name of a column; what has no word of its own by its place."""
-    rest, label = _UNIT.sub("", name), {}
-    for key, pattern in _PARTS.items():
-        if (match := pattern.search(rest)) is not None:
-            label[key] = match[1].replace("p", ".") if key == "l_over_v" else match[1]
-            rest = rest[: match.start()] + " " + rest[match.end() :]
-    words = [word for word in re.split(r"[\s_,;:.()]+", rest) if word]
-    if "trial" not in label and words and words[-1].isdigit():
-        label["trial"] = words.pop()
-    if "animal" not in label and words:
-        label["animal"] = "_".join(words)
-    return label
-
-
 def _unit_of_names(names: Sequence[str]) -> str | None:
-    units = {match[1] for match in map(_UNIT.search, names) if match is not None and size_of(match[1], "ms")}
+    units = {match[1] for match in map(UNIT_IN_BRACKETS.search, names) if match is not None and size_of(match[1], "ms")}
     if len(units) > 1:
         raise ValueError(f"the columns have the units {' and '.join(sorted(units))}; give all of them the same one")
     return next(iter(units), None)

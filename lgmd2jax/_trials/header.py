@@ -23,6 +23,16 @@ ROLES: Mapping[str, frozenset[str]] = {
 }
 # What tells stimuli apart besides l/|v|.
 CONDITIONS = frozenset(("contrast", "polarity", "background", "stimulus", "condition", "shape", "direction"))
+UNIT_IN_BRACKETS = re.compile(r"\s*[\[(]\s*(\w+)\s*[\])]\s*$")
+_PARTS = {
+    "l_over_v": re.compile(
+        r"(?<![a-z])(?:l[_ ]?over[_ ]?v|l/\|?v\|?|lv)[\s_=:]*(\d+(?:[.p]\d+)?)\s*(?:ms)?(?![a-z0-9])", re.I
+    ),
+    "trial": re.compile(r"(?<![a-z])(?:trial|repeat|rep|sweep|t|r)[\s_=:#]*(\d+)(?![a-z0-9])", re.I),
+    "animal": re.compile(r"(?<![a-z])(?:animal|locust|subject|cell)[\s_=:]*([a-z0-9-]+)(?![a-z0-9])", re.I),
+}
+_SECONDS = 100.0  # a range of times below is hardly one of ms
+_LARGEST_SECONDS = 0.5  # an l/|v| above is one in ms, below one in seconds
 
 
 def split(name: str) -> tuple[str, str | None]:
@@ -31,6 +41,29 @@ def split(name: str) -> tuple[str, str | None]:
     words = [word for word in re.split(r"[^\w\N{GREEK SMALL LETTER MU}\N{MICRO SIGN}]+|_", spaced) if word]
     unit = words[-1] if words and size_of(words[-1], "ms") and words[-1].lower() not in ("min", "mins") else None
     return "_".join(words[:-1] if unit else words).lower(), unit
+
+
+def role_of(name: str) -> str | None:
+    """What tells the animal, session, trial or condition in the label of a trial; None for another name."""
+    base = split(name)[0]
+    if base in CONDITIONS:
+        return base
+    return next((role for role in ("animal", "session", "trial", "l_over_v") if base in ROLES[role]), None)
+
+
+def label_in(name: str) -> dict[str, str]:
+    """Animal, l/|v| and trial in a text such as `A_lv20_trial3`; what has no word of its own by its place."""
+    rest, label = UNIT_IN_BRACKETS.sub("", name), {}
+    for key, pattern in _PARTS.items():
+        if (match := pattern.search(rest)) is not None:
+            label[key] = match[1].replace("p", ".") if key == "l_over_v" else match[1]
+            rest = rest[: match.start()] + " " + rest[match.end() :]
+    words = [word for word in re.split(r"[\s_,;:.()]+", rest) if word]
+    if "trial" not in label and words and words[-1].isdigit():
+        label["trial"] = words.pop()
+    if "animal" not in label and words:
+        label["animal"] = "_".join(words)
+    return label
 
 
 def column_of(role: str, table: Columns, chosen: str | None = None) -> str | None:
@@ -75,4 +108,17 @@ def milliseconds(name: str, values: Sequence[float], time_unit: str | None) -> f
     return size
 
 
-_SECONDS = 100.0  # a range of times below is hardly one of ms
+def speeds_in_ms(name: str, values: Sequence[float]) -> list[float]:
+    """l/|v| in ms, which they also are where the name of their column tells no unit.
+
+    **Raises:** `ValueError` for values that are not positive, and for those that look like seconds.
+    """
+    unit = split(name)[1]
+    if min(values) <= 0:
+        raise ValueError(f"{name!r} holds {min(values):g}; l/|v| is positive, in ms")
+    if unit is None and max(values) <= _LARGEST_SECONDS:
+        raise ValueError(
+            f"{name!r} holds {min(values):g} to {max(values):g}, as l/|v| in seconds; call it {name}_s, or give ms"
+        )
+    size = 1.0 if unit is None else size_of(unit, "ms") or 1.0
+    return [round(size * value, 9) for value in values]

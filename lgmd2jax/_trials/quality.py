@@ -1,7 +1,7 @@
 """Which recordings show a response to the approach: the rate of each animal and l/|v|, and what falls out."""
 
 import dataclasses
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -29,18 +29,16 @@ RULE = (
 class Excluded:
     """What is left out of the line of peak times, and why.
 
-    **Arguments:** `session` and `l_over_v` (ms): None for all of the animal.
+    **Arguments:** `l_over_v` in ms; None for all of the animal, or for sessions that the reason names.
     """
 
     animal: str
     reason: str
-    session: str | None = None
     l_over_v: float | None = None
 
     def __str__(self):
-        session = f", session {self.session}" if self.session else ""
         speed = "" if self.l_over_v is None else f", l/|v| {self.l_over_v:g} ms"
-        return f"{self.animal}{session}{speed}: {self.reason}"
+        return f"{self.animal}{speed}: {self.reason}"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -61,25 +59,48 @@ def judged(trials: Sequence[Trial], kernel_ms: float) -> tuple[list[Rates], list
 
     **Raises:** `ValueError` for a trial without a number as `l_over_v`.
     """
+    passed, excluded = _passed(trials, kernel_ms)
+    for animal in dict.fromkeys(rates.animal for rates, _ in passed):
+        speeds = [rates.l_over_v for rates, _ in passed if rates.animal == animal]
+        if len(speeds) < 2:
+            excluded.append(Excluded(animal, f"one l/|v| is left, {speeds[0]:g} ms; a line needs two"))
+            passed = [(rates, own) for rates, own in passed if rates.animal != animal]
+    return [rates for rates, _ in passed], excluded
+
+
+def accepted(trials: Sequence[Trial], kernel_ms: float) -> tuple[list[Trial], list[Excluded]]:
+    """The trials that a fit can aim at, also of an animal with one l/|v|, and what falls out of them.
+
+    **Raises:** as `judged`.
+    """
+    passed, excluded = _passed(trials, kernel_ms)
+    return [trial for _, own in passed for trial in own], excluded
+
+
+def noisy(trials: Sequence[Trial]) -> list[Trial]:
+    """The trials whose own base rate is that of noise."""
+    return [trial for trial in trials if base_rate([trial]) >= _HIGHEST_BASE]
+
+
+def _passed(trials: Sequence[Trial], kernel_ms: float) -> tuple[list[tuple[Rates, list[Trial]]], list[Excluded]]:
     excluded, left = [], []
-    for (animal, session), own in _groups(trials, lambda trial: (trial.animal, trial.session)):
-        base = base_rate(own)
-        if base < _HIGHEST_BASE:
-            left += own
-        else:
-            excluded.append(Excluded(animal, f"base rate {base:.1f} spikes/s, as of noise", session or None))
+    sessions = list(_groups(trials, lambda trial: (trial.animal, trial.session)))
+    for animal in dict.fromkeys(animal for (animal, _), _ in sessions):
+        noise = {}
+        for (who, session), own in sessions:
+            if who == animal and (base := base_rate(own)) >= _HIGHEST_BASE:
+                noise[session] = base
+            elif who == animal:
+                left += own
+        if noise:
+            excluded.append(Excluded(animal, _told_noise(noise)))
     passed = []
     for (animal, speed), own in _groups(left, lambda trial: (trial.animal, l_over_v(trial))):
         rates, reason = _rates(animal, speed, own, kernel_ms)
         if reason:
             excluded.append(Excluded(animal, reason, l_over_v=speed))
         else:
-            passed.append(rates)
-    for animal in dict.fromkeys(rates.animal for rates in passed):
-        speeds = [rates.l_over_v for rates in passed if rates.animal == animal]
-        if len(speeds) < 2:
-            excluded.append(Excluded(animal, f"one l/|v| is left, {speeds[0]:g} ms; a line needs two"))
-            passed = [rates for rates in passed if rates.animal != animal]
+            passed.append((rates, own))
     return passed, excluded
 
 
@@ -125,6 +146,14 @@ def _rates(animal: str, speed: float, trials: Sequence[Trial], kernel_ms: float)
     elif not earliest <= at <= _LATEST_MS:
         reason = f"peak at {at:.0f} ms, not within {earliest:g} to {_LATEST_MS:g} ms from collision"
     return Rates(animal, speed, time[inside], rates[:, inside]), reason
+
+
+def _told_noise(bases: Mapping[str, float]) -> str:
+    """The base rates of the sessions that fall out."""
+    low, high = f"{min(bases.values()):.1f}", f"{max(bases.values()):.1f}"
+    rates = low if low == high else f"{low} to {high}"
+    where = "" if set(bases) == {""} else f" in session {', '.join(bases)}"
+    return f"base rate {rates} spikes/s{where}, as of noise"
 
 
 def _groups(trials: Sequence[Trial], key: Callable[[Trial], Any]) -> Iterator[tuple[Any, list[Trial]]]:

@@ -44,6 +44,8 @@ class Reading:
     unit: str | None = None
 
     def __post_init__(self):
+        for name in ("l_over_v", "event"):
+            object.__setattr__(self, name, _number_or_name(getattr(self, name)))
         if self.window is not None and not (
             len(self.window) == 2 and all(map(math.isfinite, self.window)) and self.window[0] < self.window[1]
         ):
@@ -116,3 +118,59 @@ def _check_times(drafts: Sequence[Draft], spikes: np.ndarray) -> None:
             f"{where}, none of them before, as on the clock of a session or a trial; name the column of the "
             "collision, or give its time, by event (--event)"
         )
+
+
+def one_of(kind: str, names: Sequence[str], given: str | None) -> int:
+    """The place of what is chosen among these, the only one by default.
+
+    **Arguments:** `kind`: what they are, as the argument is called that chooses one.
+
+    **Raises:** `ValueError` for a name that is not there, and where one of several must be named.
+    """
+    held = ", ".join(map(repr, names))
+    if given is not None:
+        if given not in names:
+            raise ValueError(f"{kind} is {given!r}; choose one of {held}")
+        return names.index(given)
+    if len(names) != 1:
+        raise ValueError(
+            f"there are {len(names)} {kind}s, {held}; choose one by {kind} (--{kind})"
+            if names
+            else f"there is no {kind}"
+        )
+    return 0
+
+
+def cut(
+    spikes_ms: Sequence[float],
+    events: Sequence[tuple[float, Condition]],
+    reading: Reading,
+    animal: str,
+    session: str = "",
+) -> list[Draft]:
+    """The trials of a recording that goes on over several events, numbered from 1.
+
+    **Arguments:** `events`: their times in ms on the clock of the spikes, and what was shown.
+
+    **Raises:** `ValueError` without a window.
+    """
+    if reading.window is None:
+        raise ValueError(
+            f"the recording goes on over {len(events)} events; give what belongs to each by window (--window), in ms "
+            "from the event, as -1000 500"
+        )
+    spikes, (start, end) = np.sort(np.asarray(spikes_ms, dtype=float)), reading.window
+    drafts = []
+    for number, (event, condition) in enumerate(events, start=1):
+        own = spikes[(spikes >= event + start) & (spikes <= event + end)] - event
+        drafts.append(Draft(animal, session, str(number), condition, own.tolist()))
+    return drafts
+
+
+def _number_or_name(given: str | float | int | None) -> str | float | None:
+    if given is None:
+        return None
+    try:
+        return float(given)
+    except ValueError:
+        return str(given)

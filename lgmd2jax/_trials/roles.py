@@ -6,13 +6,11 @@ import math
 from collections.abc import Collection, Mapping
 
 from lgmd2jax._targets.columns import Columns
-from lgmd2jax._targets.units import size_of
-from lgmd2jax._trials.header import CONDITIONS, column_of, milliseconds, split
+from lgmd2jax._trials.header import CONDITIONS, column_of, milliseconds, speeds_in_ms, split
 from lgmd2jax._trials.reading import Reading
 from lgmd2jax._trials.trial import Condition
-from lgmd2jax._words import nearest
 
-_LARGEST_SECONDS = 0.5  # an l/|v| above is one in ms, below one in seconds
+KEYS = ("animal", "session", "trial")  # by which trials are told apart, besides their condition
 
 
 @dataclasses.dataclass(frozen=True)
@@ -38,13 +36,13 @@ class Roles:
         read = {*self.columns.values(), *self.conditions}
         return tuple(name for name in self.table.header if name and name not in read)
 
-    def labels(self, keys: Collection[str] = ("animal", "session", "trial")) -> list[tuple[str, ...]]:
+    def labels(self, keys: Collection[str] = KEYS) -> list[tuple[str, ...]]:
         """Animal, session and trial of each row, numbers written alike in all files."""
         columns = []
         for key in keys:
             if key in self.columns:
                 name = self.columns[key]
-                cells = [_plain(cell) for cell in self.table.text(name)]
+                cells = [plain_label(cell) for cell in self.table.text(name)]
                 if "" in cells:
                     raise ValueError(
                         f"row {self.table.row_numbers[cells.index('')]} lacks its {key} ({name!r}); add it"
@@ -60,9 +58,10 @@ class Roles:
         conditions = []
         for row in range(len(self.table.rows)):
             condition: dict[str, float | str] = {} if speeds is None else {"l_over_v": speeds[row]}
-            for name in self.conditions:
-                condition[name] = self._value(self.table.text(name)[row])
             conditions.append(condition)
+        for name in self.conditions:
+            for condition, cell in zip(conditions, self.table.text(name), strict=True):
+                condition[name] = value_of(cell.replace(self.table.decimal, "."))
         return conditions
 
     def times(self, role: str) -> list[float] | None:
@@ -83,22 +82,7 @@ class Roles:
         if "l_over_v" not in self.columns:
             return None
         name = self.columns["l_over_v"]
-        values, unit = self.table.numbers(name).tolist(), split(name)[1]
-        if min(values) <= 0:
-            raise ValueError(f"column {name!r} holds {min(values):g}; l/|v| is positive, in ms")
-        if unit is None and max(values) <= _LARGEST_SECONDS:
-            raise ValueError(
-                f"column {name!r} holds {min(values):g} to {max(values):g}, as l/|v| in seconds; "
-                f"name the column {name}_s, or give ms"
-            )
-        size = 1.0 if unit is None else size_of(unit, "ms") or 1.0
-        return [round(size * value, 9) for value in values]
-
-    def _value(self, cell: str) -> float | str:
-        try:
-            return self.table.number(cell, "", 0)
-        except ValueError:
-            return cell
+        return speeds_in_ms(name, self.table.numbers(name).tolist())
 
 
 def roles_of(table: Columns, reading: Reading, animal: str) -> Roles:
@@ -115,10 +99,10 @@ def roles_of(table: Columns, reading: Reading, animal: str) -> Roles:
         if role == "animal" and given is not None and given not in table.header:
             fixed["animal"] = given  # the name of the only animal, whatever the table says
             continue
-        if role in ("event", "l_over_v") and (value := _number(given, table)) is not None:
-            fixed[role] = value
+        if isinstance(given, float):
+            fixed[role] = given
             continue
-        column = column_of(role, table, None if given is None else str(given))
+        column = column_of(role, table, given)
         if column is not None:
             columns[role] = column
     known = [name for name in table.header if split(name)[0] in CONDITIONS]
@@ -127,23 +111,19 @@ def roles_of(table: Columns, reading: Reading, animal: str) -> Roles:
     return Roles(table, columns, fixed, event, tuple(dict.fromkeys([*known, *chosen])), reading.time_unit)
 
 
-def _number(given: str | float | int | None, table: Columns) -> float | None:
-    """A value that is given in place of a column."""
-    if given is None or given in table.header:
-        return None
-    try:
-        return float(given)
-    except ValueError:
-        raise ValueError(
-            f"no column {given!r}, and it is no number; choose {nearest(str(given), table.header)}"
-        ) from None
-
-
 @functools.cache
-def _plain(cell: str) -> str:
+def plain_label(cell: str) -> str:
     """A label, of which numbers are written alike: `3.0` of one program is `3` of another."""
     try:
         value = float(cell)
     except ValueError:
         return cell
     return f"{value:.0f}" if math.isfinite(value) and value == int(value) else cell
+
+
+def value_of(cell: str) -> float | str:
+    """A number where the cell holds one, else its text."""
+    try:
+        return float(cell)
+    except ValueError:
+        return cell

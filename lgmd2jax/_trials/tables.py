@@ -8,9 +8,7 @@ from lgmd2jax._targets.columns import Columns
 from lgmd2jax._trials.columns_of_trials import drafts_of_columns
 from lgmd2jax._trials.header import milliseconds
 from lgmd2jax._trials.reading import Draft, Reading
-from lgmd2jax._trials.roles import Roles, roles_of
-
-_KEYS = ("animal", "session", "trial")
+from lgmd2jax._trials.roles import KEYS, Roles, roles_of
 
 
 def drafts_of_table(table: Columns, reading: Reading, animal: str) -> tuple[list[Draft], list[str]]:
@@ -37,37 +35,59 @@ def drafts_of_two_tables(
     **Raises:** `ValueError` for tables that share no column of the trial, for two rows of one trial that are not alike,
     for spikes of no trial, and for cells that cannot be read.
     """
-    roles, spike_roles = (
-        roles_of(trials, reading, animal),
-        roles_of(spikes, dataclasses.replace(reading, conditions=(), event=None, l_over_v=None), animal),
-    )
+    roles = roles_of(trials, dataclasses.replace(reading, time=None), animal)
+    spike_roles = roles_of(spikes, dataclasses.replace(reading, conditions=(), event=None, l_over_v=None), animal)
     if "time" not in spike_roles.columns:
         held = ", ".join(map(repr, spikes.header))
         raise ValueError(f"the spikes have no column named like a time; name it by time (--time), one of {held}")
-    shared = [key for key in _KEYS if key in roles.columns and key in spike_roles.columns]
+    shared = [key for key in KEYS if key in roles.columns and key in spike_roles.columns]
     if "trial" not in shared:
         raise ValueError("the tables of trials and of spikes share no column of the trial; give both one of that name")
-    found: dict[tuple[str, ...], Draft] = {}
-    events, conditions, spans = _events(roles), roles.condition_of_rows(), _spans(roles)
-    rows = zip(roles.labels(shared), roles.labels(), conditions, spans, events, trials.row_numbers, strict=True)
-    repeated, clock = 0, {}
-    for key, label, condition, span, event, number in rows:
-        if key in found:
-            if (found[key].condition, found[key].span, clock[key]) != (condition, span, event):
-                raise ValueError(f"row {number} is of {_told(shared, key)} again, and not alike; mend one of them")
+    found: dict[tuple[str, ...], tuple[Draft, float]] = {}
+    repeated = 0
+    rows = zip(roles.labels(shared), _rows_of_trials(roles), trials.row_numbers, strict=True)
+    for key, (draft, event), number in rows:
+        if key not in found:
+            found[key] = draft, event
+        elif found[key] == (draft, event):
             repeated += 1
-            continue
-        found[key] = Draft(label[0], label[1], label[2], condition, span=span)
-        clock[key] = event
+        else:
+            raise ValueError(f"row {number} is of {_told(shared, key)} again, and not alike; mend one of them")
     times = spike_roles.times("time") or []
     for key, time, number in zip(spike_roles.labels(shared), times, spikes.row_numbers, strict=True):
         if key not in found:
             raise ValueError(
                 f"row {number} of the spikes is of {_told(shared, key)}, which has no row in the trials; add it"
             )
-        found[key].spikes.append(time - clock[key])
+        draft, event = found[key]
+        draft.spikes.append(time - event)
     remarks = [f"{repeated} rows of the trials stand twice, alike; each counts once"] if repeated else []
-    return list(found.values()), [*remarks, *_unread(roles)]
+    return [draft for draft, _ in found.values()], [*remarks, *_unread(roles)]
+
+
+def drafts_of_trains(
+    trials: Columns, trains: Sequence[Sequence[float]], reading: Reading, animal: str
+) -> tuple[list[Draft], list[str]]:
+    """The trials of a table with a row a trial, and beside each row its spike times in ms, on the clock of the events.
+
+    **Raises:** `ValueError` for cells that cannot be read, and for trials without names.
+    """
+    roles = roles_of(trials, reading, animal)
+    drafts = []
+    for (draft, event), train in zip(_rows_of_trials(roles), trains, strict=True):
+        draft.spikes.extend(time - event for time in train)
+        drafts.append(draft)
+    return drafts, _unread(roles)
+
+
+def _rows_of_trials(roles: Roles) -> list[tuple[Draft, float]]:
+    """The trial of each row, without its spikes, and the time of its event in ms on the clock of the spikes."""
+    labels, conditions, spans = roles.labels(), roles.condition_of_rows(), _spans(roles)
+    drafts = [
+        Draft(animal, session, trial, condition, span=span)
+        for (animal, session, trial), condition, span in zip(labels, conditions, spans, strict=True)
+    ]
+    return list(zip(drafts, _events(roles), strict=True))
 
 
 def _rows_of_spikes(roles: Roles) -> tuple[list[Draft], list[str]]:
@@ -81,25 +101,15 @@ def _rows_of_spikes(roles: Roles) -> tuple[list[Draft], list[str]]:
     cells = list(roles.table.numbered(name))
     values = [roles.table.number(cell, name, row) if cell else None for row, cell in cells]
     size = milliseconds(name, [value for value in values if value is not None], roles.time_unit)
-    found: dict[Any, Draft] = {}
-    rows = zip(
-        roles.labels(),
-        roles.condition_of_rows(),
-        _spans(roles),
-        _events(roles),
-        values,
-        roles.table.row_numbers,
-        strict=True,
-    )
-    clock = {}
-    for label, condition, span, event, value, number in rows:
-        key = (label, tuple(condition.items()))
-        draft = found.setdefault(key, Draft(label[0], label[1], label[2], condition, span=span))
-        if (draft.span, clock.setdefault(key, event)) != (span, event):
+    found: dict[Any, tuple[Draft, float]] = {}
+    for (draft, event), value, number in zip(_rows_of_trials(roles), values, roles.table.row_numbers, strict=True):
+        key = (draft.animal, draft.session, draft.name, tuple(draft.condition.items()))
+        first, clock = found.setdefault(key, (draft, event))
+        if (first.span, clock) != (draft.span, event):
             raise ValueError(f"row {number} has another event or span than rows of its trial before; mend one of them")
         if value is not None:
-            draft.spikes.append(size * value - event)
-    return list(found.values()), _unread(roles)
+            first.spikes.append(size * value - event)
+    return [draft for draft, _ in found.values()], _unread(roles)
 
 
 def _events(roles: Roles) -> list[float]:

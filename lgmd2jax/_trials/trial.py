@@ -32,8 +32,8 @@ class Trial:
     name: str
     condition: Condition
     spikes_ms: Float[np.ndarray, " spike"]
-    start_ms: float
-    end_ms: float
+    start_ms: float | int
+    end_ms: float | int
     session: str = ""
 
     def __post_init__(self):

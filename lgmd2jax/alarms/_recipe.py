@@ -26,7 +26,7 @@ from lgmd2jax.fitting._sections import free_of, model_of
 class AlarmRecipe:
     """A fit of alarms to be made: the model, what is free, and the file of labelled clips.
 
-    - `weights`: what it costs to miss a window, and to break a silence.
+    - `weights`: what it costs to miss a window, and to break a silence; what recorded clips weigh together.
     - `validation`: which clips to render, with a seed that the fit does not use, for the score of the report.
     - `table`: the file's content.
     """
@@ -51,6 +51,11 @@ class AlarmRecipe:
         key = jax.random.key(self.seed)
         return fit(self.model, clips, self.free, key=key, progress=progress, memory=memory, **self.weights, **settings)
 
+    def weighing(self, recorded: float | int) -> "AlarmRecipe":
+        """The recipe with recorded clips that together weigh so many times what the rendered ones do."""
+        weights = {**self.weights, "recorded": recorded}
+        return dataclasses.replace(self, weights=weights, table={**self.table, "weights": weights})
+
     def held_out(self) -> tuple[LabelledClip, ...]:
         """The clips that the fit does not see."""
         return () if self.validation is None else tuple(self.validation.clips(self.file.eye))
@@ -59,7 +64,8 @@ class AlarmRecipe:
         """A digest of all that the fit sees: recipe, clips and labels."""
         digest = hashlib.sha256(json.dumps(self.table, sort_keys=True).encode())
         for clip in clips:
-            digest.update(repr((clip.fps, clip.windows, clip.silent, clip.contact)).encode())
+            labels = clip.fps, clip.windows, clip.silent, clip.contact, clip.source, clip.weight
+            digest.update(repr(labels).encode())
             digest.update(np.ascontiguousarray(clip.frames).tobytes() + clip.index.tobytes() + clip.interval.tobytes())
         return digest.hexdigest()
 

@@ -21,6 +21,7 @@ def trials_of(options: argparse.Namespace) -> Trials:
         window=None if options.window is None else tuple(options.window),
         separator=options.separator,
         decimal=options.decimal,
+        unit=options.unit,
     )
     for remark in trials.remarks:
         print(f"note: {remark}")

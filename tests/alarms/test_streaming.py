@@ -51,6 +51,9 @@ def assert_same(file, model=MODEL):
     for trace, other in zip(streamed.evidence, whole.evidence, strict=True):
         assert trace.dtype == other.dtype
         np.testing.assert_array_equal(trace, other)
+    for drive, other in zip(streamed.drives, whole.drives, strict=True):
+        for channel, same in zip(drive, other, strict=True):
+            np.testing.assert_allclose(channel, same, rtol=1e-6)
     assert streamed.T_sp == whole.T_sp
     assert streamed.score() == whole.score()
     assert np.ptp(streamed.evidence[0]) > 0.05  # the model saw the clip

@@ -1,4 +1,4 @@
-"""Every layout of a text file gives the same trials, and what is wrong in one is told with its cure."""
+"""Every format gives the same trials, and what is wrong in a file is told with its cure."""
 
 import numpy as np
 import pytest
@@ -10,34 +10,61 @@ from tests.trials.synthesis import WINDOW, recordings
 
 @pytest.fixture(scope="module")
 def made():
-    return recordings()
+    return recordings(trials=4)
 
 
-@pytest.fixture(scope="module")
-def known(made):
+def trials_of(made):
     """The trials themselves, by no importer."""
     return lgmd.Trials(
         tuple(lgmd.Trial(it.animal, it.trial, {"l_over_v": it.l_over_v}, np.array(it.spikes), *WINDOW) for it in made)
     )
 
 
-LAYOUTS = {
-    "tidy": lambda path, made: synthesis.write_tidy(path, made),
-    "tidy, European, with a byte order mark": lambda path, made: synthesis.write_tidy(path, made, ";", ",", bom=True),
-    "tidy, tabs": lambda path, made: synthesis.write_tidy(path, made, "\t"),
-    "columns by name": synthesis.write_named_columns,
-    "columns with labels": synthesis.write_labelled_columns,
-    "two tables": synthesis.write_two_tables,
+# By the ending: a writer, and what the file does not tell.
+FORMATS = {
+    "tidy.csv": (synthesis.write_tidy, {"window": WINDOW}),
+    "European.csv": (lambda path, made: synthesis.write_tidy(path, made, ";", ",", bom=True), {"window": WINDOW}),
+    "tabs.txt": (lambda path, made: synthesis.write_tidy(path, made, "\t"), {"window": WINDOW}),
+    "names.csv": (synthesis.write_named_columns, {"window": WINDOW}),
+    "labels.csv": (synthesis.write_labelled_columns, {"window": WINDOW}),
+    "two_tables": (synthesis.write_two_tables, {}),
+    "sheets.xlsx": (synthesis.write_workbook, {}),
+    "structs.mat": (synthesis.write_matlab, {"window": WINDOW}),
+    "cells.mat": (synthesis.write_matlab_73, {"window": WINDOW}),
 }
 
 
-@pytest.mark.parametrize("layout", LAYOUTS)
-def test_every_layout_gives_the_same_trials(layout, made, known, tmp_path):
-    path = tmp_path / ("folder" if layout == "two tables" else "spikes.csv")
-    LAYOUTS[layout](path, made)
-    assert lgmd.load_trials(path, window=None if layout == "two tables" else WINDOW) == known
+@pytest.mark.parametrize("name", FORMATS)
+def test_every_format_gives_the_same_trials(name, made, tmp_path):
+    write, told = FORMATS[name]
+    write(tmp_path / name, made)
+    assert lgmd.load_trials(tmp_path / name, **told) == trials_of(made)
 
 
-def test_a_trial_without_spikes_is_kept(known):
-    (unseen,) = [trial for trial in known.where(animal="A") if trial.name == synthesis.UNSEEN]
+def test_a_file_of_each_animal_gives_the_same_trials(made, tmp_path):
+    for animal in "AB":
+        synthesis.write_nwb(tmp_path / f"{animal}.nwb", [it for it in made if it.animal == animal])
+    trials = lgmd.load_trials(tmp_path / "A.nwb", tmp_path / "B.nwb")
+    assert trials == trials_of([it for it in made if it.animal in "AB"])
+
+
+def test_an_export_of_spike2_gives_the_same_trials_counted_anew(made, tmp_path):
+    own = [it for it in made if it.animal == "A"]
+    synthesis.write_spike2(tmp_path / "A.txt", own)
+    counted = [it._replace(trial=str(number)) for number, it in enumerate(own, start=1)]
+    assert lgmd.load_trials(tmp_path / "A.txt", window=WINDOW) == trials_of(counted)
+
+
+def test_a_file_that_neo_reads_gives_the_same_trials(made, tmp_path):
+    own = [it for it in made if it.l_over_v == 20 and it.animal == "B"]
+    synthesis.write_neo(tmp_path / "block.nix", own)
+    assert lgmd.load_trials(tmp_path / "block.nix") == trials_of(own)
+
+
+def test_objects_of_neo_give_the_same_trials(made):
+    assert lgmd.load_trials(synthesis.neo_block(made)) == trials_of(made)
+
+
+def test_a_trial_without_spikes_is_kept(made):
+    (unseen,) = [trial for trial in trials_of(made).where(animal="A") if trial.name == synthesis.UNSEEN]
     assert not unseen.spikes_ms.size

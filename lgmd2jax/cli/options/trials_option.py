@@ -5,7 +5,9 @@ import argparse
 
 def add_trials(parser: argparse.ArgumentParser) -> None:
     """The argument DATA, and options for what cannot be read from it."""
-    parser.add_argument("data", metavar="DATA", nargs="+", help="files of recorded trials, or a folder of them")
+    parser.add_argument(
+        "data", metavar="DATA", nargs="+", help="CSV, .xlsx, .mat, .nwb, Spike2 text, what Neo reads; a folder"
+    )
     parser.add_argument(
         "--time-unit", choices=("ms", "s", "us"), help="the unit of all times, where no header tells it"
     )
@@ -14,7 +16,7 @@ def add_trials(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--trial", metavar="COLUMN", help="the column of the trials")
     parser.add_argument("--time", metavar="COLUMN", help="the column of the spike times")
     parser.add_argument("--l-over-v", metavar="COLUMN", help="the column of l/|v|, or its value in ms")
-    parser.add_argument("--event", metavar="COLUMN", help="the column of the time of collision, or this time")
+    parser.add_argument("--event", metavar="COLUMN", help="the column, channel or event of the collision")
     parser.add_argument(
         "--conditions", metavar="COLUMN", nargs="+", default=[], help="further columns that tell stimuli apart"
     )
@@ -23,3 +25,4 @@ def add_trials(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--separator", metavar="SIGN", help="between the cells of a text file (default: found)")
     parser.add_argument("--decimal", choices=(".", ","), help="the decimal sign of a text file (default: found)")
+    parser.add_argument("--unit", metavar="NAME", help="the neuron to read, of a file that holds several")
