@@ -1,7 +1,9 @@
 """Trials from the files that laboratories have."""
 
+import contextlib
 import re
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
 
@@ -79,7 +81,7 @@ def load_trials(
         files = [file for source in sources if not is_neo(source) for file in _files(Path(source))]
         tables: list[tuple[str, Columns]] = []
         for file in files:
-            with within(file.name):
+            with _part(file.name, files):
                 if (reader := _reader(file)) is None:
                     tables += _tables(file, reading)
                     continue
@@ -92,11 +94,16 @@ def load_trials(
             drafts += own
             remarks += more
         for name, table in tables:
-            with within(name):
+            with _part(name, tables):
                 own, more = drafts_of_table(table, reading, name)
             drafts += own
             remarks += [f"{name}: {remark}" for remark in more]
         return trials_of(drafts, reading, remarks)
+
+
+def _part(name: str, parts: Sequence[Any]) -> AbstractContextManager[None]:
+    """Name one of several parts of what is read in its errors."""
+    return within(name) if len(parts) > 1 else contextlib.nullcontext()
 
 
 def _files(path: Path) -> list[Path]:
