@@ -1,7 +1,9 @@
 """Trials from the files that laboratories have."""
 
+import contextlib
 import re
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +24,7 @@ _READERS: Mapping[str, Callable[[Path, Reading], tuple[list[Draft], list[str]]]]
     ".mat": drafts_of_matlab,
     ".nwb": drafts_of_nwb,
 }
+_TABLES = ("spikes", "trials")  # files of a folder that belong together, whatever else lies there
 _WITH_COMMA = re.compile(r"[-+]?\d+,\d+(e[-+]?\d+)?", re.IGNORECASE)
 _WITH_POINT = re.compile(r"[-+]?\d*\.\d+(e[-+]?\d+)?", re.IGNORECASE)
 
@@ -79,7 +82,7 @@ def load_trials(
         files = [file for source in sources if not is_neo(source) for file in _files(Path(source))]
         tables: list[tuple[str, Columns]] = []
         for file in files:
-            with within(file.name):
+            with _part(file.name, files):
                 if (reader := _reader(file)) is None:
                     tables += _tables(file, reading)
                     continue
@@ -92,11 +95,16 @@ def load_trials(
             drafts += own
             remarks += more
         for name, table in tables:
-            with within(name):
+            with _part(name, tables):
                 own, more = drafts_of_table(table, reading, name)
             drafts += own
             remarks += [f"{name}: {remark}" for remark in more]
         return trials_of(drafts, reading, remarks)
+
+
+def _part(name: str, parts: Sequence[Any]) -> AbstractContextManager[None]:
+    """Name one of several parts of what is read in its errors."""
+    return within(name) if len(parts) > 1 else contextlib.nullcontext()
 
 
 def _files(path: Path) -> list[Path]:
@@ -106,6 +114,9 @@ def _files(path: Path) -> list[Path]:
     if not path.is_dir():
         return [path]
     files = sorted(file for file in path.iterdir() if file.suffix.lower() in _TEXT and not file.name.startswith("."))
+    named = [file for file in files if file.stem.lower() in _TABLES]
+    if len(named) == len(_TABLES):
+        return named
     if not files:
         raise ValueError(f"{path} holds no file ending in {', '.join(_TEXT)}; name files")
     return files

@@ -1,6 +1,7 @@
 """Which recordings show a response to the approach: the rate of each animal and l/|v|, and what falls out."""
 
 import dataclasses
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
@@ -59,22 +60,20 @@ def judged(trials: Sequence[Trial], kernel_ms: float) -> tuple[list[Rates], list
 
     **Raises:** `ValueError` for a trial without a number as `l_over_v`.
     """
-    passed, excluded = _passed(trials, kernel_ms)
-    for animal in dict.fromkeys(rates.animal for rates, _ in passed):
-        speeds = [rates.l_over_v for rates, _ in passed if rates.animal == animal]
-        if len(speeds) < 2:
-            excluded.append(Excluded(animal, f"one l/|v| is left, {speeds[0]:g} ms; a line needs two"))
-            passed = [(rates, own) for rates, own in passed if rates.animal != animal]
-    return [rates for rates, _ in passed], excluded
+    with_line, _, excluded = _by_rule(trials, kernel_ms)
+    return [rates for rates, _ in with_line], excluded
 
 
 def accepted(trials: Sequence[Trial], kernel_ms: float) -> tuple[list[Trial], list[Excluded]]:
-    """The trials that a fit can aim at, also of an animal with one l/|v|, and what falls out of them.
+    """The trials that a fit can aim at: those of animals with a line or, where none has one, of all that answer.
 
     **Raises:** as `judged`.
     """
-    passed, excluded = _passed(trials, kernel_ms)
-    return [trial for _, own in passed for trial in own], excluded
+    with_line, others, excluded = _by_rule(trials, kernel_ms)
+    if not with_line:
+        alone = {rates.animal for rates, _ in others}
+        excluded = [item for item in excluded if item.l_over_v is not None or item.animal not in alone]
+    return [trial for _, own in with_line or others for trial in own], excluded
 
 
 def noisy(trials: Sequence[Trial]) -> list[Trial]:
@@ -82,7 +81,11 @@ def noisy(trials: Sequence[Trial]) -> list[Trial]:
     return [trial for trial in trials if base_rate([trial]) >= _HIGHEST_BASE]
 
 
-def _passed(trials: Sequence[Trial], kernel_ms: float) -> tuple[list[tuple[Rates, list[Trial]]], list[Excluded]]:
+_Passed = list[tuple[Rates, list[Trial]]]
+
+
+def _by_rule(trials: Sequence[Trial], kernel_ms: float) -> tuple[_Passed, _Passed, list[Excluded]]:
+    """What passes, of animals with two l/|v| or more and of those with one, and what does not."""
     excluded, left = [], []
     sessions = list(_groups(trials, lambda trial: (trial.animal, trial.session)))
     for animal in dict.fromkeys(animal for (animal, _), _ in sessions):
@@ -101,7 +104,12 @@ def _passed(trials: Sequence[Trial], kernel_ms: float) -> tuple[list[tuple[Rates
             excluded.append(Excluded(animal, reason, l_over_v=speed))
         else:
             passed.append((rates, own))
-    return passed, excluded
+    speeds = Counter(rates.animal for rates, _ in passed)
+    with_line = [(rates, own) for rates, own in passed if speeds[rates.animal] > 1]
+    others = [(rates, own) for rates, own in passed if speeds[rates.animal] == 1]
+    for rates, _ in others:
+        excluded.append(Excluded(rates.animal, f"one l/|v| is left, {rates.l_over_v:g} ms; a line needs two"))
+    return with_line, others, excluded
 
 
 def l_over_v(trial: Trial) -> float:

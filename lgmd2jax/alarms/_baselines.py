@@ -1,6 +1,8 @@
 """Plain detectors of approach to compare a model with: each gives a number a frame, and alarms above a threshold."""
 
+import os
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 from jaxtyping import Float
@@ -50,8 +52,10 @@ def baseline(name: str, clips: Sequence[LabelledClip]) -> Evaluation:
 
     **Raises:** `ValueError` where a package that it needs is missing.
     """
-    traces = tuple(_average(BASELINES[name](clip), clip.time) for clip in clips)
-    return Evaluation(tuple(clips), traces, np.inf)
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        traces = pool.map(BASELINES[name], clips)
+        averages = tuple(_average(trace, clip.time) for trace, clip in zip(traces, clips, strict=True))
+    return Evaluation(tuple(clips), averages, np.inf)
 
 
 def _average(trace: Float[np.ndarray, " time"], time: Float[np.ndarray, " time"]) -> Float[np.ndarray, " time"]:

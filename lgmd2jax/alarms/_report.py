@@ -81,7 +81,7 @@ def why(verdict: Verdict, T_sp: float) -> str:
 def _of_miss(miss: Miss, T_sp: float) -> str:
     frames = f"{miss.window[0]}-{miss.window[1]}:"
     late = "" if math.isnan(miss.late_ms) else f"late by {miss.late_ms:.0f} ms"
-    shut = f"inhibition shut {miss.inhibited:.0%} of it" if miss.inhibited else ""
+    shut = f"inhibition shut {miss.inhibited:.0%} of it" if miss.inhibited or miss.why == "inhibited" else ""
     weak = f"too weak, {miss.evidence:.3f} of {T_sp:.3f}" if miss.why == "weak" else ""
     return f"{frames} {', '.join(filter(None, (weak, shut, late)))}"
 
@@ -114,10 +114,10 @@ def comparison_section(title: str, comparison: Comparison) -> Section:
 def _compared(name: str, threshold: str, outcome: Outcome) -> tuple[str, ...]:
     score, more = outcome.counts.score(), outcome.more_hits
     hits = f"{outcome.counts.hits.sum()} of {outcome.counts.windows.sum()}"
-    hits += f" ({score.hits.low:.1%} .. {score.hits.high:.1%})"
-    ahead = "" if more is None or math.isnan(more.value) else f"{more.value:+.1%}"
+    hits += f" ({score.hits.low:.0%} .. {score.hits.high:.0%})"
+    ahead = "" if more is None or math.isnan(more.value) else f"{more.value:+.0%}"
     if ahead and more is not None and not math.isnan(more.low):
-        ahead += f" ({more.low:+.1%} .. {more.high:+.1%})"
+        ahead += f" ({more.low:+.0%} .. {more.high:+.0%})"
     return name, threshold, hits, _rate(score.false_alarms), ahead
 
 

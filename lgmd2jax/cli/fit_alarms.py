@@ -3,7 +3,7 @@
 import argparse
 import importlib.util
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -90,34 +90,41 @@ def _own_clips(path: Path, recipe: AlarmRecipe) -> tuple[LabelledClip, ...]:
 def _comparisons(
     recipe: AlarmRecipe, fit: AlarmFit, clips: Sequence[LabelledClip]
 ) -> tuple[HeldOutScores | None, dict[str, Comparison]]:
-    """The fitted model beside the paper's and plain detectors: on clips that no fit saw, and source by source."""
+    """The fitted model beside the paper's and plain detectors: on clips that no fit saw, and source by source.
+
+    Where no silence says how often a detector may alarm, there is no comparison.
+    """
     scores, comparisons = None, {}
     if recipe.validation is not None:
-        comparison = _on_held_out(recipe, fit, clips)
-        by_name = {name: compared.evaluation for name, compared in comparison.detectors.items()}
-        scores = HeldOutScores.of({"fitted": by_name[MODEL], **{WORDS[name]: by_name[name] for name in TABLE_I}})
-        title = f"Clips that the fit did not see: {scores.windows} windows, {scores.minutes:.1f} silent minutes"
-        comparisons[title] = comparison
-    if fit.without:
-        recorded = np.array([clip.source is not None for clip in clips])
+        held_out = recipe.held_out()
+        shown = {MODEL: evaluate(fit.model, held_out), **_others(held_out, fit)}
+        scores = HeldOutScores.of({"fitted": shown[MODEL], **{WORDS[name]: shown[name] for name in TABLE_I}})
+        words, training = _training(fit, clips)
+        if scores.minutes and training[MODEL].silent_minutes:
+            title = f"Clips that the fit did not see: {scores.windows} windows, {scores.minutes:.1f} silent minutes"
+            comparisons[title] = Comparison.of(_detectors(shown), (words, training))
+    recorded = np.array([clip.source is not None for clip in clips])
+    if fit.without and fit.evaluation.among(recorded).silent_minutes:
         own = Detector(fit.evaluation.among(recorded), fit.without)
         others = _others([clip for clip in clips if clip.source is not None], fit)
-        comparisons[_WITHOUT] = Comparison.of({MODEL: own, **{name: Detector(each) for name, each in others.items()}})
+        comparisons[_WITHOUT] = Comparison.of({MODEL: own, **_detectors(others)})
     return scores, comparisons
 
 
-def _on_held_out(recipe: AlarmRecipe, fit: AlarmFit, clips: Sequence[LabelledClip]) -> Comparison:
-    held_out = recipe.held_out()
+def _training(fit: AlarmFit, clips: Sequence[LabelledClip]) -> tuple[str, dict[str, Evaluation]]:
+    """Some of the fitted clips in words, and what each detector does on them: rendered ones, if there are any."""
     rendered = np.array([clip.source is None for clip in clips])
     chosen = rendered if rendered.any() else np.ones(len(clips), bool)
     chosen &= np.cumsum(chosen) <= _TRAINING
-    training = {
+    some = [clip for clip, on in zip(clips, chosen, strict=True) if on]
+    return f"by {len(some)} of the clips that were fitted", {
         MODEL: fit.evaluation.among(chosen),
-        **_others([clip for clip, on in zip(clips, chosen, strict=True) if on], fit),
+        **_others(some, fit),
     }
-    shown = {MODEL: evaluate(fit.model, held_out), **_others(held_out, fit)}
-    words = f"by {chosen.sum()} of the clips that were fitted"
-    return Comparison.of({name: Detector(each) for name, each in shown.items()}, (words, training))
+
+
+def _detectors(evaluations: Mapping[str, Evaluation]) -> dict[str, Detector]:
+    return {name: Detector(evaluation) for name, evaluation in evaluations.items()}
 
 
 def _others(clips: Sequence[LabelledClip], fit: AlarmFit) -> dict[str, Evaluation]:

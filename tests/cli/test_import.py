@@ -43,6 +43,7 @@ def test_the_folder_gives_the_same_trials_again(folder):
     assert lgmd.load_trials(folder) == lgmd.load_trials(folder.parent / "recordings")
 
 
+@pytest.mark.slow
 def test_the_recipe_can_be_run(folder):
     recipe = lgmd.load_recipe(folder / "fit.toml")
     assert isinstance(recipe, lgmd.Recipe)
@@ -81,3 +82,11 @@ def test_what_fails_leaves_nothing(options, tmp_path, capsys):
     assert main(["import", str(tmp_path / "spikes.csv"), "-o", str(tmp_path / "mine"), *options]) == 1
     assert len(capsys.readouterr().err.splitlines()) == 1
     assert [file.name for file in tmp_path.iterdir()] == ["spikes.csv"]
+
+
+def test_recordings_at_one_speed_are_kept(tmp_path, capsys):
+    """They have no line of peak times, but a fit can aim at them."""
+    write_tidy(tmp_path / "spikes.csv", [it for it in recordings("A", trials=4) if it.l_over_v == 20])
+    assert main(["import", str(tmp_path / "spikes.csv"), "-o", str(tmp_path / "mine"), *SCREEN]) == 0
+    assert "left out" not in capsys.readouterr().out
+    assert [file.name for file in (tmp_path / "mine" / "targets").iterdir()] == ["approach_20_ms.csv"]

@@ -30,7 +30,11 @@ A file of labelled clips says in which frames an alarm must be raised and in whi
 Detectors differ in how often they alarm, so --baselines compares them at equal budgets: 1, 2 and 4 false alarms a
 minute. Each detector, the model too, has the lowest threshold that keeps within the budget on the other sources; so no
 source has a say in the threshold that it is judged by. The model's and Table I's own thresholds are shown besides.
-The interval of how many more windows the model hits is that of a paired bootstrap over sources.
+The interval of how many more windows the model hits is that of a paired bootstrap over sources. With a single source
+its own clips choose, and the report says so.
+
+The JSON file has detectors.NAME.hits (count, windows, value, low, high) and .false_alarms_per_minute (count, minutes,
+value, low, high), the same for each budget under .budgets.1, .2 and .4, and a list of the clips.
 """
 
 
