@@ -20,7 +20,7 @@ from lgmd2jax._c.host import compiled
 from lgmd2jax._c.source import sources
 from lgmd2jax._compute.xla import set_flags
 from lgmd2jax._handover.model_file import document
-from lgmd2jax.hard import HardLGMD2, Response, first_difference
+from lgmd2jax.hard import CHANNELS, HardLGMD2, Response, first_difference
 
 FRAMES, ROUNDS = 60, 31
 FLAGS = ("-O3", "-march=native", "-ffp-contract=fast")
@@ -41,7 +41,7 @@ def programs(size: Size):
     expected = in_numpy(frames)
     for name, call in calls.items():
         response = call()
-        channels = Response(*(np.asarray(getattr(response, channel)) for channel in Response._fields))
+        channels = Response(*(np.asarray(getattr(response, channel)) for channel in CHANNELS))
         if (difference := first_difference(channels, expected, tolerance=1e-4)) is not None:
             raise ValueError(f"{name} computes another network: frame and channel {difference} differ; mend it first")
     return calls

@@ -50,7 +50,7 @@ FREE = lgmd.Free(
 )  # fmt: skip
 PLAIN = Circuit(lgmd.LGMD2(), FREE)
 WITH_MECHANISMS = Circuit(
-    lgmd.LGMD2(mechanisms=lgmd.MECHANISMS),
+    lgmd.LGMD2(mechanisms=("size", "shunt", "lag", "membrane")),
     FREE.also(T_p=None, tau_hold=None, A_ffi=None, m=None, gamma=None, lag=None, tau_cell=None),
 )
 

@@ -21,6 +21,7 @@ from ._network.parameters import (
     symbols as symbols,
 )
 from ._network.pixels import Layers as Layers
+from ._network.sides import Sides as Sides, sides as sides
 from ._network.stages import AbstractCell as AbstractCell, AbstractPixels as AbstractPixels, Sums as Sums
 from ._network.structure import counts as counts, one_of as one_of
 from ._network.thresholds import (
@@ -53,6 +54,10 @@ from ._targets.rest import Onset as Onset, Rest as Rest
 from ._targets.spike_trains import SpikeTrains as SpikeTrains, spike_rate as spike_rate
 from ._targets.target import Target as Target
 from ._targets.weighted import Weighted as Weighted
+from ._trials.load import load_trials as load_trials
+from ._trials.peak_line import LoomingEstimate as LoomingEstimate, PeakTimes as PeakTimes
+from ._trials.trial import Trial as Trial
+from ._trials.trials import Trials as Trials
 from .fitting import (
     Fit as Fit,
     Free as Free,

@@ -13,7 +13,7 @@ while True:
 `load` proves itself: the file carries a short clip with the response to it, which must come out.
 `model.step(frame, interval=ms)` takes the time since the last frame where the camera's clock is known, and
 `model(frames)` gives the response to a whole clip. The equations are those of Fu, Hu & Yue (arXiv 1801.06452), with the
-mechanisms that the file names: inhibition that codes size, a graded shunt, a lag, a membrane.
+mechanisms that the file names: inhibition that codes size, a graded shunt, a lag, a membrane, change per time.
 
 It runs on Python 3.8 and NumPy 1.17 or later.
 """
@@ -55,10 +55,15 @@ MECHANISMS = {
     "shunt": {"m": "(0, inf)", "gamma": "(0, inf)"},
     "lag": {"lag": "[0, 80]"},
     "membrane": {"tau_cell": "[0, inf)"},
+    "rate": {},
 }
 EYE = ("rows", "cols", "degrees_per_pixel", "fps", "projection")
 MOST_FRAMES = 10000  # of persistence or of a window; more would only fill the memory
+REFERENCE_MS = 1000 / 30  # of change per time: MP and F are those of a frame that lasts so long
 TEST_VECTOR = ("fps", "tolerance", "frames", "response")
+CHANNELS = ("mp", "ffi", "smp", "smp_adapted", "spikes", "collision")
+EVIDENCE = ("smp_adapted", "level", "rise", "inhibition")  # of which urgency is a logistic function
+URGENCY = ("within_ms", "tau_ms", "intercept", *EVIDENCE)
 
 
 class Response(NamedTuple):
@@ -66,6 +71,9 @@ class Response(NamedTuple):
 
     `mp` in grey levels; `ffi` likewise, with size-coding inhibition the share of the field that changed of late;
     `smp` before and `smp_adapted` after adaptation, in [.5, 1); `spikes` 0, 1 or 2; `collision` the alarm.
+    `mp_sides` and `f_sides`: the shares of the left, centre and right third of the columns in MP, and in F, which `ffi`
+    follows; they tell where to turn. `urgency`: the probability of contact within the time that the hand-over file
+    names, NaN where that has no calibration. A hand-over file has no such channels.
     """
 
     mp: Any
@@ -74,6 +82,9 @@ class Response(NamedTuple):
     smp_adapted: Any
     spikes: Any
     collision: Any
+    mp_sides: Any = None
+    f_sides: Any = None
+    urgency: Any = math.nan
 
     @classmethod
     def over_time(cls, frames: Iterable[Response]) -> Response:
@@ -90,6 +101,7 @@ class HardLGMD2:
     - `fps`: frames per second that the parameters belong to; None if every step is given its interval.
     - `n_p`, `low_pass`, `N_ts`: structure, as in the hand-over file.
     - `mechanisms`: the names of those that the model has; `parameters` then holds theirs too (`MECHANISMS`).
+    - `urgency`: how to tell the probability of contact, a number for each of `URGENCY`; None for not at all.
 
     **Raises:** `ValueError` for parameters that are missing, unknown or out of their domain, and for unknown structure.
     """
@@ -103,6 +115,7 @@ class HardLGMD2:
         low_pass: str = "backward_euler",
         N_ts: int = 4,
         mechanisms: Sequence[str] = (),
+        urgency: Mapping[str, float] | None = None,
     ):
         _check_names(mechanisms)
         domains = dict(DOMAINS)
@@ -111,6 +124,8 @@ class HardLGMD2:
         _check_parameters(parameters, domains)
         _check_structure({"n_p": n_p, "low_pass": low_pass, "N_ts": N_ts})
         _check_rate(fps)
+        _check_urgency(urgency)
+        self.urgency = None if urgency is None else dict(urgency)
         self.parameters = {name: float(parameters[name]) for name in domains}
         self.mechanisms = tuple(mechanisms)
         self.fps, self.n_p, self.low_pass, self.N_ts = fps, n_p, low_pass, N_ts
@@ -174,9 +189,10 @@ class HardLGMD2:
         self._ffi, self._smp, self._smp_adapted, self._excitation = 0.0, 0.5, 0.5, 0.0
         self._past = []  # ms ago, MP, F; the newest first
         self._spikes = [0] * self.N_ts
+        self._level = 0.5
 
     def _pixels(self, frame, interval):
-        """Eqs 1-8: the S layer; and F: eq. 13, or the share of the field that changed of late."""
+        """Eqs 1-8: the S layer. Eq. 13 by thirds, or how many pixels changed of late: the sums whose mean is F."""
         v = self.parameters
         p = frame - self._luminance
         for share, past in zip(self._persistence, self._history):
@@ -191,19 +207,22 @@ class HardLGMD2:
         s_off = _lateral(self._d_off) - v["w_bias"] * self._off
         s = v["theta1"] * s_on + v["theta2"] * s_off + v["theta3"] * s_on * s_off
         if "size" not in self.mechanisms:
-            return s, float(np.abs(p).mean())
+            return s, _thirds(np.abs(p))
         changed = self._d_on + self._d_off > a * v["T_p"]
         self._held = np.where(changed, 1.0, math.exp(-interval / v["tau_hold"]) * self._held)
-        return s, float(self._held.mean())
+        return s, _thirds(self._held)
 
     def _potential(self, s):
-        """Eqs 9-11: MP. The mean of eq. 10 keeps the sum."""
-        return float(s[s >= self.parameters["T_s"]].sum())
+        """Eqs 9-11: MP, by thirds. The mean of eq. 10 keeps the sum."""
+        return _thirds(np.where(s >= self.parameters["T_s"], s, 0.0))
 
-    def _cell(self, mp, f, pixels, interval):
+    def _cell(self, mp_sides, f_sides, pixels, interval):
         """Eqs 12 and 14-17."""
         v = self.parameters
-        late, f = self._delayed(mp, f, interval) if "lag" in self.mechanisms else (mp, f)
+        mp, f = sum(mp_sides), sum(f_sides) / pixels
+        f_sides = tuple(side / pixels for side in f_sides)
+        late, f = self._per_time(mp, f, interval) if "rate" in self.mechanisms else (mp, f)
+        late, f = self._delayed(late, f, interval) if "lag" in self.mechanisms else (late, f)
         self._ffi += self._coefficient(v["tau2"], interval) * (f - self._ffi)
         smp = self._potential_behind_inhibition(abs(late) / (pixels * v["k"]), interval)
         c = v["tau3"] / (v["tau3"] + interval)
@@ -213,7 +232,27 @@ class HardLGMD2:
         spikes = int(self._smp_adapted >= v["T_sp"]) + int(self._smp_adapted > v["T_sp"] + v["sigma_sp"])
         window = [*self._spikes, spikes]
         self._spikes = window[1:]
-        return Response(mp, self._ffi, smp, self._smp_adapted, spikes, sum(window) >= v["N_sp"])
+        alarm = sum(window) >= v["N_sp"]
+        urgency = self._contact(smp, interval)
+        return Response(mp, self._ffi, smp, self._smp_adapted, spikes, alarm, mp_sides, f_sides, urgency)
+
+    def _contact(self, smp, interval):
+        """The probability of contact: logistic in U', in U of late and its rise over that, and in the inhibition."""
+        if self.urgency is None:
+            return math.nan
+        self._level += -math.expm1(-interval / self.urgency["tau_ms"]) * (smp - self._level)
+        inhibition = self._ffi / (self._ffi + self._inhibited_from())
+        evidence = (self._smp_adapted - 0.5, self._level - 0.5, smp - self._level, inhibition)
+        weighted = (self.urgency[name] * value for name, value in zip(EVIDENCE, evidence))
+        return _sigmoid(self.urgency["intercept"] + sum(weighted))
+
+    def _inhibited_from(self):
+        return self.parameters["A_ffi" if "size" in self.mechanisms else "T_ffi"]
+
+    def _per_time(self, mp, f, interval):
+        """MP and F as they would be of a frame of the reference's length. A share of the field is not a change."""
+        scale = REFERENCE_MS / interval
+        return scale * mp, f if "size" in self.mechanisms else scale * f
 
     def _delayed(self, mp, f, interval):
         """MP and F of `lag` ms ago, linear between frames, 0 before the first one."""
@@ -229,7 +268,7 @@ class HardLGMD2:
     def _potential_behind_inhibition(self, drive, interval):
         """Eq. 12 behind the gate, or the graded shunt with its membrane."""
         v = self.parameters
-        threshold = v["A_ffi"] if "size" in self.mechanisms else v["T_ffi"]
+        threshold = self._inhibited_from()
         if "shunt" not in self.mechanisms:
             return _sigmoid(drive) if self._ffi <= threshold else 0.5
         inhibition = _sigmoid(v["m"] * (math.log(threshold) - math.log(self._ffi + 1e-12)))
@@ -259,11 +298,11 @@ def first_difference(response: Response, expected: Response, tolerance: float) -
     **Arguments:** `tolerance` is the share of a channel's largest expected value by which it may be off. Spikes and
     alarm may not.
     """
-    values, wanted = np.array(response, float), np.array(expected, float)
+    values, wanted = (np.array(each[: len(CHANNELS)], float) for each in (response, expected))
     allowed = tolerance * np.abs(wanted).max(axis=1)
     allowed[-2:] = 0
     wrong = np.argwhere(~(np.abs(values - wanted) <= allowed[:, None]).T)
-    return (int(wrong[0, 0]), Response._fields[wrong[0, 1]]) if len(wrong) else None
+    return (int(wrong[0, 0]), CHANNELS[wrong[0, 1]]) if len(wrong) else None
 
 
 def load(path) -> HardLGMD2:
@@ -318,6 +357,7 @@ def read(path) -> dict:
                 raise ValueError(f"parameter {name} belongs to a mechanism; give it there")
         _check_tables(content["mechanisms"])
         _check_structure(content["structure"])
+        _check_urgency(content["calibration"].get("urgency"))
         vector = content["test_vector"]
         with np.errstate(all="ignore"):
             prove(_model(content, vector["fps"])(np.array(vector["frames"])), vector)
@@ -330,7 +370,13 @@ def _model(content, fps):
     parameters = dict(content["parameters"])
     for values in content["mechanisms"].values():
         parameters.update(values)
-    return HardLGMD2(parameters, fps, mechanisms=tuple(content["mechanisms"]), **content["structure"])
+    return HardLGMD2(
+        parameters,
+        fps,
+        mechanisms=tuple(content["mechanisms"]),
+        urgency=content["calibration"].get("urgency"),
+        **content["structure"],
+    )
 
 
 def prove(response: Response, vector: Mapping) -> None:
@@ -348,6 +394,12 @@ def prove(response: Response, vector: Mapping) -> None:
 
 def _sigmoid(x):
     return 1 / (1 + math.exp(-x)) if x > -700 else 0.0
+
+
+def _thirds(layer):
+    """The sums of the left, centre and right third of the columns; a mirror image swaps the outer ones."""
+    columns, outer = layer.sum(axis=0), (layer.shape[1] + 1) // 3
+    return tuple(float(part.sum()) for part in (columns[:outer], columns[outer:-outer], columns[-outer:]))
 
 
 def _lateral(d):
@@ -406,6 +458,16 @@ def _check_structure(structure):
         raise ValueError(f"low_pass is {structure['low_pass']!r}; give 'backward_euler' or 'exact'")
 
 
+def _check_urgency(urgency):
+    if urgency is None:
+        return
+    if not isinstance(urgency, Mapping) or set(urgency) != set(URGENCY):
+        raise ValueError(f"urgency is {urgency!r}; give {', '.join(URGENCY)}")
+    for name, value in urgency.items():
+        if not _is_finite(value) or (name.endswith("_ms") and value <= 0):
+            raise ValueError(f"{name} of urgency is {value!r}; give a finite number, of ms a positive one")
+
+
 def _check_eye(eye):
     if eye is None:
         return
@@ -432,9 +494,9 @@ def check_test_vector(vector, eye):
     frames, response = _array(vector["frames"], (int,)), vector["response"]
     if not (frames.dtype.kind == "i" and frames.ndim == 3 and min(frames.shape) >= 3) or (frames & ~255).any():
         raise ValueError("the frames of test_vector are not whole grey levels 0..255 of (time, row, col)")
-    if not isinstance(response, dict) or set(response) != set(Response._fields):
-        raise ValueError(f"the response of test_vector does not hold {', '.join(Response._fields)}")
-    for name in Response._fields:
+    if not isinstance(response, dict) or set(response) != set(CHANNELS):
+        raise ValueError(f"the response of test_vector does not hold {', '.join(CHANNELS)}")
+    for name in CHANNELS:
         types = {"spikes": (int,), "collision": (bool,)}.get(name, (int, float))
         channel = _array(response[name], types)
         if channel.dtype.kind not in "fib" or channel.shape != frames.shape[:1] or not np.isfinite(channel).all():

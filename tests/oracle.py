@@ -4,6 +4,7 @@ import math
 
 WEIGHTS = [[0.125, 0.25, 0.125], [0.25, 0.0, 0.25], [0.125, 0.25, 0.125]]
 CHANNELS = ("mp", "ffi", "smp", "smp_adapted", "spikes", "collision")
+SIDES = ("mp_sides", "f_sides")
 
 
 def logistic(x):
@@ -18,6 +19,7 @@ def respond(frames, fps, v, temperature=None, n_p=0, low_pass="backward_euler", 
     rows, cols = len(frames[0]), len(frames[0][0])
     intervals = [1000 / fps] * len(frames) if intervals is None else intervals
     pixels = [(x, y) for x in range(rows) for y in range(cols)]
+    outer = round(cols / 3)  # columns of the left and of the right third
 
     def step(distance, width):
         """1 where distance >= 0."""
@@ -65,7 +67,8 @@ def respond(frames, fps, v, temperature=None, n_p=0, low_pass="backward_euler", 
     on, off, d_on, d_off = zeros(), zeros(), zeros(), zeros()
     held = zeros()
     ffi, excitation, u_before, adapted, spikes_before = 0.0, 0.0, 0.5, 0.5, [0.0] * N_ts
-    out = {name: [] for name in (*CHANNELS, "f", "s", "s_gated", "g", "rise", "unfloored", "d")}
+    told = []
+    out = {name: [] for name in (*CHANNELS, *SIDES, "f", "s", "s_gated", "g", "rise", "unfloored", "d")}
 
     for t, (frame, ti) in enumerate(zip(frames, intervals, strict=True)):
         p = zeros()
@@ -104,8 +107,18 @@ def respond(frames, fps, v, temperature=None, n_p=0, low_pass="backward_euler", 
             f, threshold = sum(abs(p[x][y]) for x, y in pixels) / len(pixels), v["T_ffi"]
         out["mp"].append(mp)
         out["f"].append(f)
+        addends = held if "size" in mechanisms else [[abs(value) for value in row] for row in p]
+        for name, layer, count in (("mp_sides", gated, 1), ("f_sides", addends, len(pixels))):
+            shares = [0.0, 0.0, 0.0]
+            for x, y in pixels:
+                shares[0 if y < outer else 2 if y >= cols - outer else 1] += layer[x][y] / count
+            out[name].append(shares)
+        if "rate" in mechanisms:  # as in a thirtieth of a second; a share of the field is not a change
+            per_time = 1000 / 30 / ti
+            mp, f = mp * per_time, f if "size" in mechanisms else f * per_time
+        told.append((mp, f))
         if "lag" in mechanisms:
-            mp, f = lagged(out["mp"], t), lagged(out["f"], t)
+            mp, f = (lagged(values, t) for values in zip(*told, strict=True))
 
         ffi += coefficient(v["tau2"]) * (f - ffi)  # eq. 14
         drive = abs(mp) / (len(pixels) * v["k"])

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float, UInt8
 
-from lgmd2jax.hard import Response
+from lgmd2jax.hard import CHANNELS, Response
 
 Program = Callable[[UInt8[np.ndarray, "time row col"], Float[np.ndarray, " time"]], Response]
 _DRIVER = Path(__file__).with_name("clip.c")
@@ -55,6 +55,6 @@ def compiled(files: Mapping[str, str], rows: int, cols: int, flags: Sequence[str
         frames, lasts = np.ascontiguousarray(frames), np.ascontiguousarray(interval, np.float32)
         outputs = np.empty(len(frames), _OUTPUT)
         clip(frames.ctypes.data, lasts.ctypes.data, len(frames), outputs.ctypes.data)
-        return Response(*(outputs[name] for name in Response._fields))
+        return Response(*(outputs[name] for name in CHANNELS))
 
     return respond

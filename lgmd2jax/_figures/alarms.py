@@ -7,9 +7,10 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from lgmd2jax._figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, drawn
+from lgmd2jax._figures.style import BLACK, BLUE, COLOURS, GREEN, GREY, MARKS, VERMILION, drawn
 from lgmd2jax._signals import stretches
-from lgmd2jax.alarms import ClipLabels, Evaluation, LabelledClip, Verdict
+from lgmd2jax.alarms import ClipLabels, Comparison, Evaluation, LabelledClip, Reliability, Score, Verdict
+from lgmd2jax.alarms._detectors import WORDS
 from lgmd2jax.alarms._report import headline
 
 _LINES = 30  # clips at most
@@ -86,6 +87,40 @@ def operating_figure(path: str | os.PathLike, watch: Evaluation) -> None:
         lead.set(xlabel="first alarm before contact (ms)", ylabel="windows")
 
 
+def comparison_figure(path: str | os.PathLike, comparison: Comparison) -> None:
+    """Hits against false alarms a minute of all detectors, with 95 % intervals, and each over all its thresholds.
+
+    A filled mark is a detector at its own threshold, an open one at a budget of false alarms. A line follows all
+    thresholds on the same clips, so that it flatters where the open marks do not.
+    """
+    with drawn(path, 7, 4.6) as figure:
+        axes = figure.subplots()
+        for (name, compared), colour, mark in zip(comparison.detectors.items(), COLOURS, MARKS, strict=False):
+            levels = np.concatenate(compared.evaluation.evidence)
+            hits, false = compared.evaluation.operating_curve(np.quantile(levels, np.linspace(0, 1, _STEPS)))
+            axes.plot(false, hits, color=colour, alpha=0.4, linewidth=1)
+            for outcome in compared.at_budgets.values():
+                _cross(axes, outcome.counts.score(), color=colour, marker=mark, markerfacecolor="none")
+            if compared.own is not None:
+                _cross(axes, compared.own.counts.score(), color=colour, marker=mark, markersize=8)
+            axes.plot([], [], color=colour, marker=mark, label=WORDS.get(name, name))
+        most = max(
+            outcome.counts.score().false_alarms.high
+            for compared in comparison.detectors.values()
+            for outcome in [*compared.at_budgets.values(), *([] if compared.own is None else [compared.own])]
+        )
+        axes.set(xlabel="false alarms a minute", ylabel="windows hit", ylim=(-0.03, 1.03), xlim=(-0.03 * most, most))
+        axes.legend(ncols=3, loc="lower center", bbox_to_anchor=(0.5, 1.0))
+
+
+def _cross(axes: Axes, score: Score, **style) -> None:
+    """A point with the intervals of hits and of false alarms."""
+    (x, left, right), (y, low, high) = score.false_alarms, score.hits
+    axes.errorbar(
+        x, y, xerr=[[x - left], [right - x]], yerr=[[y - low], [high - y]], elinewidth=0.7, linestyle="", **style
+    )
+
+
 def worst_figure(path: str | os.PathLike, watch: Evaluation) -> None:
     """The clips of least margin: what is seen, and the evidence for an alarm with T_sp."""
     rows = _by_margin(watch)[:_WORST]
@@ -116,6 +151,21 @@ def worst_figure(path: str | os.PathLike, watch: Evaluation) -> None:
             axes.set_title(f"{clip.name}: {judgement}, margin {verdict.margin:+.3f}", loc="left", fontsize=8)
             if row == len(rows) - 1:
                 axes.set_xlabel("time (s); green: an alarm is wanted, grey: silence; dashed: T_sp")
+
+
+def reliability_figure(path: str | os.PathLike, found: Reliability, within_ms: float) -> None:
+    """How often contact followed over how likely it was said to be, and how many frames there are of each."""
+    observed = np.array([share[:3] for share in found.observed])
+    errors = np.abs(observed[:, 1:] - observed[:, :1]).T
+    with drawn(path, 8, 3.4) as figure:
+        diagram, counts = figure.subplots(1, 2)
+        diagram.plot([0, 1], [0, 1], color=GREY, linestyle="--", linewidth=1)
+        diagram.errorbar(found.foretold, observed[:, 0], errors, fmt="o-", color=BLUE, capsize=2)
+        diagram.set(xlabel=f"foretold probability of contact within {within_ms:g} ms", ylabel="how often it followed")
+        diagram.set(xlim=(-0.03, 1.03), ylim=(-0.03, 1.03))
+        diagram.set_title(f"Brier score {found.brier.value:.4f}, of the mean {found.brier_of_the_mean:.4f}", fontsize=9)
+        counts.bar(found.foretold, found.frames, width=0.07, color=BLUE)
+        counts.set(xlabel="foretold probability", ylabel="frames", yscale="log", xlim=(-0.05, 1.05))
 
 
 def _by_margin(watch: Evaluation) -> list[tuple[ClipLabels, np.ndarray, Verdict]]:

@@ -41,7 +41,10 @@ def save(model: AbstractNetwork, path: str | os.PathLike, provenance: Mapping[st
 
     **Raises:** `ValueError` for a batch of models and for other provenance, `OSError` where the file cannot be written.
     """
-    content = document(model, provenance)
+    _write(document(model, provenance), path)
+
+
+def _write(content: Mapping[str, Any], path: str | os.PathLike) -> None:
     with replaced(path) as temporary:
         temporary.write_text(_numbers_in_rows(json.dumps(content, indent=2, allow_nan=False)) + "\n", encoding="utf-8")
 
@@ -58,11 +61,7 @@ def document(model: AbstractNetwork, provenance: Mapping[str, Plain] | None = No
         eye |= {name: float(eye[name]) for name in ("degrees_per_pixel", "fps") if eye[name] is not None}
     structure = {name: value for name, value in structure_of(model).items() if name != "mechanisms"}
     fps = None if eye is None else eye["fps"]
-    if isinstance(model, LGMD2):
-        together = {**parameters, **{name: value for table in mechanisms.values() for name, value in table.items()}}
-        vector = make_test_vector(hard.HardLGMD2(together, mechanisms=tuple(mechanisms), **structure), fps)
-    else:
-        vector = response_vector(model, fps)
+    vector = make_test_vector(as_hard(model), fps) if isinstance(model, LGMD2) else response_vector(model, fps)
     return {
         "format": hard.FORMAT,
         "version": hard.VERSION,
@@ -74,6 +73,33 @@ def document(model: AbstractNetwork, provenance: Mapping[str, Plain] | None = No
         "provenance": {"program": f"lgmd2jax {version('lgmd2jax')}", **_plain(provenance or {})},
         "test_vector": vector,
     }
+
+
+def calibrate(path: str | os.PathLike, name: str, values: Mapping[str, float]) -> None:
+    """Put a calibration into a hand-over file, in the place of one of this name; all else stays as it is.
+
+    **Raises:** as `load`, and for values that the file may not hold.
+    """
+    path = Path(path)
+    content = read_json(path)
+    with within(f"{path} is not a hand-over file that can be used"):
+        check(MODEL_FILE, content)
+        vector = content.pop("test_vector")
+        content |= {"calibration": content.get("calibration", {}) | {name: dict(values)}, "test_vector": vector}
+        check(MODEL_FILE, content)
+    _write(content, path)
+
+
+def calibration_of(path: str | os.PathLike) -> Mapping[str, Any]:
+    """The calibrations in a hand-over file, by name.
+
+    **Raises:** as `load`.
+    """
+    path = Path(path)
+    content = read_json(path)
+    with within(f"{path} is not a hand-over file that can be used"):
+        check(MODEL_FILE, content)
+    return content.get("calibration", {})
 
 
 def load(path: str | os.PathLike, network: type[AbstractNetwork] | None = None) -> Any:
@@ -99,7 +125,7 @@ def _proved(kind: type[AbstractNetwork], content: Mapping[str, Any]) -> Abstract
     hard.check_test_vector(vector, content["eye"])
     model = _built(kind, content)
     response = model(np.array(vector["frames"], float), vector["fps"])
-    hard.prove(hard.Response(*(np.asarray(getattr(response, name)) for name in hard.Response._fields)), vector)
+    hard.prove(hard.Response(*(np.asarray(getattr(response, name)) for name in hard.CHANNELS)), vector)
     return model
 
 
@@ -111,6 +137,15 @@ def as_lgmd2(model: AbstractNetwork) -> LGMD2:
     if not isinstance(model, LGMD2):
         raise ValueError(f"the model is a {type(model).__name__}; hard.py and the C run the LGMD2 alone")
     return model
+
+
+def as_hard(model: LGMD2) -> hard.HardLGMD2:
+    """The model as a robot's program runs it, without a frame rate: every step is given its interval."""
+    parameters, mechanisms = _values(model)
+    for values in mechanisms.values():
+        parameters |= values
+    structure = {name: value for name, value in structure_of(model).items() if name != "mechanisms"}
+    return hard.HardLGMD2(parameters, mechanisms=tuple(mechanisms), **structure)
 
 
 def _values(model: AbstractNetwork) -> tuple[dict[str, float], dict[str, dict[str, float]]]:

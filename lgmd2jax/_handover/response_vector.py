@@ -50,7 +50,7 @@ def response_vector(model: AbstractNetwork, fps: float | None) -> dict[str, Any]
         )
         frames = np.repeat(random_clip(generator)[:1], FRAMES, axis=0)
         response = np.stack(_responses(model, model.parameters, frames, fps))
-    channels = dict(zip(hard.Response._fields, response.tolist(), strict=True))
+    channels = dict(zip(hard.CHANNELS, response.tolist(), strict=True))
     for name in ("mp", "ffi", "smp", "smp_adapted"):
         channels[name] = [float(f"{value:.9g}") for value in channels[name]]
     channels["spikes"] = [int(value) for value in channels["spikes"]]
@@ -62,7 +62,7 @@ def response_vector(model: AbstractNetwork, fps: float | None) -> dict[str, Any]
 def _responses(model: AbstractNetwork, parameters, frames, fps):
     def one(parameters):
         response = dataclasses.replace(model, parameters=parameters)(frames, fps)
-        return tuple(getattr(response, name) for name in hard.Response._fields)
+        return tuple(getattr(response, name) for name in hard.CHANNELS)
 
     batched = jnp.ndim(jax.tree.leaves(parameters)[0]) == 1
     return jax.vmap(one)(parameters) if batched else one(parameters)

@@ -33,7 +33,7 @@ def make_test_vector(model: hard.HardLGMD2, fps: float | None) -> dict[str, Any]
     """
     fps = FPS_WITHOUT_EYE if fps is None else fps
     trial = _search(model, 1000 / fps)
-    response = {name: channel.tolist() for name, channel in trial.response._asdict().items()}
+    response = {name: getattr(trial.response, name).tolist() for name in hard.CHANNELS}
     for name in ("mp", "ffi", "smp", "smp_adapted"):
         response[name] = [float(f"{value:.9g}") for value in response[name]]
     return {"fps": fps, "tolerance": TOLERANCE, "frames": trial.frames.astype(int).tolist(), "response": response}

@@ -23,7 +23,8 @@ _SHORTEST_INTERVAL = 2.0  # ms; by a faster clock than this a lag wants an eye t
 _SHARE_OF_FIELD = Description(
     "1", "share of the field that changed of late, delayed (eq. 14)", "FFI, share of the field"
 )
-MECHANISMS = ("size", "shunt", "lag", "membrane")
+_PER_TIME = Description("grey level", "delayed feed-forward inhibition in 1/30 s (eq. 14)", "FFI in 1/30 s")
+MECHANISMS = ("size", "shunt", "lag", "membrane", "rate")
 ABLATIONS: Mapping[str, Mapping[str, float]] = {
     "ffi": {"T_ffi": 1e9},
     "sfa": {"T_sfa": -1.0, "tau3": 1e9},
@@ -53,8 +54,9 @@ class LGMD2(AbstractNetwork):
     - `N_ts`: number of past frames in which spikes are counted for an alarm (eq. 17).
     - `mechanisms`: what the paper's circuit does not have, some of `"size"` (inhibition codes size: F is the share
       of the field that changed of late, and A_ffi its threshold), `"shunt"` (inhibition divides, and the excitation
-      has an exponent), `"lag"` (the cell sees the pixels late) and `"membrane"` (the excitation is low-passed, which
-      needs the shunt).
+      has an exponent), `"lag"` (the cell sees the pixels late), `"membrane"` (the excitation is low-passed, which
+      needs the shunt) and `"rate"` (the cell sees change per time instead of per frame: MP and F are scaled to a frame
+      of 1/30 s by the interval that each frame had, so that k and T_ffi are right at any frame rate).
     - `eye`: the sampling that the parameters belong to; where it is given, `fps` may be left out of a call.
 
     **Raises:** `ValueError` for structure that does not exist and for persistence that is not stable.
@@ -109,7 +111,9 @@ class LGMD2(AbstractNetwork):
 
     @property
     def channels(self) -> Mapping[str, Description]:
-        return {**RESPONSE, "ffi": _SHARE_OF_FIELD} if "size" in self.mechanisms else RESPONSE
+        if "size" in self.mechanisms:
+            return {**RESPONSE, "ffi": _SHARE_OF_FIELD}
+        return {**RESPONSE, "ffi": _PER_TIME} if "rate" in self.mechanisms else RESPONSE
 
     @property
     def neuron(self) -> Neuron:
@@ -117,11 +121,13 @@ class LGMD2(AbstractNetwork):
         return "LGMD1" if float(self.parameters.theta1) >= float(self.parameters.theta2) / 2 else "LGMD2"
 
     def at_interval(self, ratio: float):
-        """As of any network, but that persistence over more than one frame stays as it is."""
+        """As of any network, but that persistence over more than one frame stays as it is; k and T_ffi too, where they
+        are compared with change per time.
+        """
         other = super().at_interval(ratio)
-        if self.n_p == 1:
-            return other
-        return dataclasses.replace(other, parameters=dataclasses.replace(other.parameters, u=self.parameters.u))
+        kept = (() if self.n_p == 1 else ("u",)) + (("k", "T_ffi") if "rate" in self.mechanisms else ())
+        values = {name: getattr(self.parameters, name) for name in kept}
+        return dataclasses.replace(other, parameters=dataclasses.replace(other.parameters, **values))
 
     def conflicts(self):
         return unstable_persistence(self.parameters.u, self.n_p)

@@ -18,6 +18,7 @@ from lgmd2jax._types import Scalar
 
 _SMALL = 1e-3  # of the excitation, at which its power has a finite slope
 _LEAST = 1e-12  # added to Fbar, whose logarithm is then finite
+_REFERENCE_MS = 1000 / 30  # of change per time: a frame of the robot's camera, for which the paper states Table I
 
 
 class Past(eqx.Module):
@@ -42,7 +43,7 @@ class CellState(eqx.Module):
 
 
 class Cell(AbstractCell):
-    """From MP and F to spikes and alarm: lag, inhibition, gate or shunt, membrane, adaptation, spikes.
+    """From MP and F to spikes and alarm: per time, lag, inhibition, gate or shunt, membrane, adaptation, spikes.
 
     `inhibited_from`: the threshold of the inhibition, T_ffi or A_ffi. `shortest_interval`: ms, in steps of which a lag
     is kept.
@@ -69,9 +70,9 @@ class Cell(AbstractCell):
 
     def step(self, state: CellState, sums: Sums, interval: Scalar, pixels: int) -> tuple[CellState, Response]:
         """Eqs 12-17 in the order of the paper."""
-        past, late = None, sums
+        past, late = None, self._per_time(sums, interval)
         if state.past is not None:
-            past = _remembered(state.past, sums, interval)
+            past = _remembered(state.past, late, interval)
             late = _delayed(past, self.parameters.lag)
         state, response = self._react(state, late, interval, pixels)
         return eqx.tree_at(lambda s: s.past, state, past, is_leaf=lambda leaf: leaf is None), _as_seen(response, sums)
@@ -83,6 +84,13 @@ class Cell(AbstractCell):
         late = Sums(*(_shifted(channel, self.parameters.lag / interval) for channel in sums))
         without = dataclasses.replace(self, mechanisms=tuple(name for name in self.mechanisms if name != "lag"))
         return _as_seen(without.over(late, interval, pixels), sums)
+
+    def _per_time(self, sums: Sums, interval: Scalar) -> Sums:
+        """The sums as they would be of a frame of the reference's length. A share of the field is not a change."""
+        if "rate" not in self.mechanisms:
+            return sums
+        scale = _REFERENCE_MS / interval
+        return Sums(scale * sums.mp, sums.f if "size" in self.mechanisms else scale * sums.f)
 
     def _react(self, state: CellState, sums: Sums, interval: Scalar, pixels: int) -> tuple[CellState, Response]:
         v = self.parameters
@@ -161,5 +169,5 @@ def _delayed(past: Past, lag: Scalar) -> Sums:
 
 
 def _as_seen(response: Response, sums: Sums) -> Response:
-    """The response with MP as the pixels sum it, undelayed."""
+    """The response with MP as the pixels sum it: of this frame, and by none but its own interval."""
     return eqx.tree_at(lambda response: response.mp, response, sums.mp)

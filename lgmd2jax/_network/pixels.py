@@ -22,7 +22,10 @@ class PixelState(eqx.Module):
 
 
 class Layers(eqx.Module):
-    """The maps of one frame, in grey levels, for `record` to choose from."""
+    """The maps of one frame, in grey levels, for `record` to choose from.
+
+    `f` is the map whose mean is F: abs(P), or with size-coding inhibition M, how much of late a pixel changed.
+    """
 
     p: Map
     on: Map
@@ -34,6 +37,12 @@ class Layers(eqx.Module):
     s: Map
     s_gated: Map
     g: Map
+    f: Map
+
+    @property
+    def mp(self) -> Map:
+        """The map whose sum is MP: the mean of eq. 10 keeps the sum of S'."""
+        return self.s_gated
 
 
 class Pixels(PixelParts):
@@ -76,6 +85,7 @@ class Pixels(PixelParts):
             s,
             s_gated,
             medulla.g_layer(bordered(s_gated)),
+            retina.magnitude(inside(p)) if traces.held is None else traces.held,
         )
 
     def remember(self, traces: Traces, change: Bordered, interval: Scalar) -> tuple[Traces, Scalar, Bordered]:

@@ -28,8 +28,8 @@ class Response(eqx.Module):
     """What the cell does, a value a frame (scalars from `LGMD2.step`).
 
     - `mp`: summed potential MP, in grey levels (eq. 11).
-    - `ffi`: delayed feed-forward inhibition Fbar, in grey levels (eq. 14); with size-coding inhibition a share of the
-      field. `channels` of a network says which.
+    - `ffi`: delayed feed-forward inhibition Fbar, in grey levels (eq. 14), those of a thirtieth of a second where the
+      cell sees change per time; with size-coding inhibition a share of the field. `channels` of a network says which.
     - `smp`: sigmoid membrane potential U, in [.5, 1), before adaptation (eq. 12).
     - `smp_adapted`: U' after spike-frequency adaptation (eq. 15).
     - `spikes`: spikes in this frame, 0 to 2 (eq. 16); fractional between thresholds that are soft.

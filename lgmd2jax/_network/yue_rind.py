@@ -141,7 +141,10 @@ class YueRindParameters(ParameterSet):
 
 
 class YueRindLayers(eqx.Module):
-    """The maps of one frame, in grey levels, for `record` to choose from: `g_kept` is G after its threshold."""
+    """The maps of one frame, in grey levels, for `record` to choose from.
+
+    `g_kept` is G after its threshold; `f` the map whose mean is F.
+    """
 
     p: Map
     inhibition: Map
@@ -149,6 +152,12 @@ class YueRindLayers(eqx.Module):
     c_e: Map
     g: Map
     g_kept: Map
+    f: Map
+
+    @property
+    def mp(self) -> Map:
+        """The map whose sum is K."""
+        return retina.magnitude(self.g_kept)
 
 
 class YueRindPixelState(eqx.Module):
@@ -178,7 +187,8 @@ class YueRindPixels(AbstractPixels):
         g_kept = g * self.thresholds.s(v.C_de * g, v.T_de)
         k = pool(retina.magnitude(g_kept))
         f = unless_nan(k, retina.mean_change(state.p))  # of the frame before, but NaN in the same
-        return YueRindPixelState(frame, p), Sums(k, f), YueRindLayers(p, inhibition, s, c_e, g, g_kept)
+        layers = YueRindLayers(p, inhibition, s, c_e, g, g_kept, retina.magnitude(state.p))
+        return YueRindPixelState(frame, p), Sums(k, f), layers
 
 
 class YueRindCellState(eqx.Module):

@@ -8,7 +8,8 @@ from typing import Any
 from lgmd2jax._handover.model_file import save
 from lgmd2jax._results.fit_json import plain
 from lgmd2jax._results.results_folder import FIGURES, Documents, ResultsFolder
-from lgmd2jax.alarms import AlarmFit, HeldOutScores, Score
+from lgmd2jax._results.urgency import URGENCY_FILES
+from lgmd2jax.alarms import AlarmFit, Comparison, HeldOutScores, Score
 from lgmd2jax.alarms._report import write_table
 from lgmd2jax.fitting._search.descent import STOPPED
 
@@ -36,9 +37,9 @@ class AlarmFolder:
 
         def write(folder: Path) -> None:
             save(self.fit.model, folder / "model.json", provenance=provenance)
-            write_table(folder / "clips.csv", self.fit.evaluation.verdicts())
+            write_table(folder / "clips.csv", self.fit.evaluation)
 
-        self._folder.begin(self._documents((FIGURES, *unfinished), None), write)
+        self._folder.begin(self._documents((FIGURES, *unfinished)), write)
 
     def draw(self, unfinished: Sequence[str]) -> None:
         """Add the figures."""
@@ -49,26 +50,32 @@ class AlarmFolder:
             operating_figure(folder / _FIGURES[1], self.fit.evaluation)
             worst_figure(folder / _FIGURES[2], self.fit.evaluation)
 
-        self._folder.draw(self._documents(unfinished, None), draw)
+        self._folder.draw(self._documents(unfinished), draw)
 
-    def add(self, held_out: HeldOutScores) -> None:
-        """Add what models do on clips that the fit did not see."""
-        self._folder.add(self._documents((), held_out))
+    def add(self, held_out: HeldOutScores | None, comparisons: Mapping[str, Comparison]) -> None:
+        """Add what models do on clips that the fit did not see, and the comparisons with plain detectors, by title."""
+        self._folder.add(self._documents((), held_out, comparisons))
 
     @property
     def _folder(self) -> ResultsFolder:
-        return ResultsFolder(self.path, f"Alarms {self.name}", _FIGURES, ("model.json", "clips.csv"))
+        return ResultsFolder(self.path, f"Alarms {self.name}", _FIGURES, ("model.json", "clips.csv", *URGENCY_FILES))
 
-    def _documents(self, unfinished: Sequence[str], held_out: HeldOutScores | None) -> Documents:
+    def _documents(
+        self,
+        unfinished: Sequence[str],
+        held_out: HeldOutScores | None = None,
+        comparisons: Mapping[str, Comparison] | None = None,
+    ) -> Documents:
         content = {
             "format": _FORMAT,
             "version": _VERSION,
             "name": self.name,
             "unfinished": list(unfinished),
             **plain(_content(self.fit, held_out)),
+            "comparisons": plain({title: each.content() for title, each in (comparisons or {}).items()}),
             **plain(dict(self.notes)),
         }
-        return Documents(content, self.fit.sections(held_out, unfinished))
+        return Documents(content, self.fit.sections(held_out, unfinished, comparisons))
 
 
 def _content(fit: AlarmFit, held_out: HeldOutScores | None) -> dict[str, Any]:

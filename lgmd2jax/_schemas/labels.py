@@ -25,6 +25,8 @@ _CLIP = {
     "before_ms": Annotated[list[NotNegative], _PAIR],
     "grace_ms": NotNegative,
     "settle": Count,
+    "source": Text,
+    "weight": Positive,
 }
 LABELS = TypeAdapter(
     table("Labelled_clips", {"eye": (eye(), ...), "clip": list[table("Clip", _CLIP)], "rendered": RENDERING})

@@ -52,7 +52,7 @@ _LEFT_OUT = either(
 )
 _VALIDATION = table("Validation", {"leave_one_out": _LEFT_OUT, "looming_law": Truth})
 _CHOICE = table("Choice", {"properties": Truth})
-_WEIGHTS = table("Weights", {"miss": NotNegative, "false_alarm": NotNegative})
+_WEIGHTS = table("Weights", {"miss": NotNegative, "false_alarm": NotNegative, "recorded": Positive})
 
 
 def _fit(network: type[AbstractNetwork]) -> type[BaseModel]:
@@ -86,6 +86,7 @@ _ALARMS: dict[str, Any] = {
     "weights": _WEIGHTS,
     "solver": _ALARM_SOLVER,
     "validation": RENDERING,
+    "urgency": table("Urgency_within", {"within_ms": (Positive, ...)}),
 }
 
 

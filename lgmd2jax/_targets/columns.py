@@ -1,5 +1,6 @@
 """The columns of a CSV file by name: its separator, its decimal sign, which column is the time, and in which unit."""
 
+import contextlib
 import csv
 import dataclasses
 import io
@@ -28,7 +29,7 @@ class Columns:
 
     - `header`: the names, each as often as it stands there.
     - `rows`: as long as the header. `row_numbers`: those of the file, from 1.
-    - `separator`: that of the cells. `decimal`: the sign in numbers, "." or ",".
+    - `separator`: that of the cells, "" of what is no text file. `decimal`: the sign in numbers, "." or ",".
     """
 
     header: tuple[str, ...]
@@ -47,7 +48,8 @@ class Columns:
             raise ValueError(f"{count} columns are named {name!r}; give each a name of its own")
         if not count:
             known = nearest(name, self.header)
-            raise ValueError(f"no column {name!r}; choose {known} (cells are separated by {self.separator!r})")
+            cells = f" (cells are separated by {self.separator!r})" if self.separator else ""
+            raise ValueError(f"no column {name!r}; choose {known}{cells}")
         place = self.header.index(name)
         return tuple(row[place] for row in self.rows)
 
@@ -60,6 +62,12 @@ class Columns:
 
         **Raises:** as `text`, and `ValueError` for a cell that is no finite number.
         """
+        cells = self.text(name)
+        if self.decimal == ".":
+            with contextlib.suppress(ValueError):
+                values = np.array(cells, dtype=float)
+                if np.all(np.isfinite(values)) and not any("_" in cell for cell in cells):
+                    return values
         return np.array([self.number(cell, name, row) for row, cell in self.numbered(name)])
 
     def number(self, text: str, name: str, row: int) -> float:

@@ -16,6 +16,7 @@ from lgmd2jax._video.pictures import Pictures, Pixels, open_pictures
 from lgmd2jax._video.recording import Recording
 from lgmd2jax._video.remarks import warn
 from lgmd2jax._video.repeats import find_repeats
+from lgmd2jax._video.video_file import VideoFile
 
 # Containers round time stamps to a millisecond: a stamp so near to the regular clock says nothing against it.
 _ROUNDING_MS = 1.0
@@ -78,6 +79,13 @@ class Clip:
     def count(self) -> int | None:
         """How many frames to expect, where that is known."""
         return self.pictures.count if self.repeats is None else len(self.repeats)
+
+    @property
+    def most(self) -> int | None:
+        """A number of frames that is not exceeded, where that is known without decoding."""
+        if self.count is None and isinstance(self.pictures, VideoFile):
+            return self.pictures.packets()
+        return self.count
 
     @property
     def effective_fps(self) -> float:
@@ -201,21 +209,15 @@ def open_clip(
     if first is None:
         raise ValueError(f"{name} holds no frame that can be read")
     pixels, _ = first
-    rows, cols = size = pixels.size
+    size = pixels.size
     if fps is None and pictures.fps is None:
         raise ValueError(f"{name} states no frame rate; give it: fps = 30 (--fps 30)")
     rate = pictures.fps if fps is None else fps
     if rate is None or not (math.isfinite(rate) and rate > 0):
         raise ValueError(f"fps is {rate}; give a positive number of frames per second")
     window = crop or (slice(None), slice(None))
-    height, width = (_length(part, edge) for part, edge in zip(window, size, strict=True))
-    if not (height and width):
-        asked = ",".join(f"{'' if s.start is None else s.start}:{'' if s.stop is None else s.stop}" for s in window)
-        raise ValueError(f"crop {asked} does not lie in the frame; its rows are 0:{rows}, its columns 0:{cols}")
-    aspect = 1.0 if abs(pixels.aspect - 1) < _NEARLY_SQUARE else pixels.aspect
-    shape = (height, width) if resize is None else (round(height * resize / (width * aspect)), resize)
-    if min(shape) < 3:
-        raise ValueError(f"{name} is {_text(shape)} pixels after crop and resize; the network needs at least 3 x 3")
+    aspect = nearly_square(pixels.aspect)
+    shape = shape_after(name, size, window, resize, aspect)
     pixels.grey(window, shape)  # a white level that does not fit shows here
     remarks = [*pictures.remarks, *pixels.remarks]
     if aspect != 1:
@@ -224,6 +226,27 @@ def open_clip(
     for remark in remarks:
         warn(f"{name}: {remark}")
     return Clip(name, pictures, float(rate), fps is not None, size, window, shape)
+
+
+def nearly_square(aspect: float) -> float:
+    """How much wider than high a pixel is, 1 where it is a little off."""
+    return 1.0 if abs(aspect - 1) < _NEARLY_SQUARE else aspect
+
+
+def shape_after(name: str, size: tuple[int, int], window: Window, resize: int | None, aspect: float) -> tuple[int, int]:
+    """Rows and columns of what the model sees of a picture, after the crop.
+
+    **Raises:** `ValueError` for a crop beyond the picture, and for what is left too small.
+    """
+    height, width = (_length(part, edge) for part, edge in zip(window, size, strict=True))
+    if not (height and width):
+        rows, cols = size
+        asked = ",".join(f"{'' if s.start is None else s.start}:{'' if s.stop is None else s.stop}" for s in window)
+        raise ValueError(f"crop {asked} does not lie in the frame; its rows are 0:{rows}, its columns 0:{cols}")
+    shape = (height, width) if resize is None else (round(height * resize / (width * aspect)), resize)
+    if min(shape) < 3:
+        raise ValueError(f"{name} is {_text(shape)} pixels after crop and resize; the network needs at least 3 x 3")
+    return shape
 
 
 def window_of(text: str) -> Window:

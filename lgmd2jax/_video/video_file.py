@@ -70,6 +70,12 @@ class VideoFile:
                 return
         self._check_end(count, first, last, end)
 
+    def packets(self) -> int:
+        """How many packets the video has, which are read and not decoded: no fewer than its frames."""
+        with self._opened() as container:
+            stream = next(stream for stream in container.streams.video if stream.index == self._number)
+            return sum(packet.size > 0 for packet in container.demux(stream))
+
     def _check_end(self, count: int, first: float, last: float, end: float) -> None:
         """Whether the file ended where it announces its end; times in seconds."""
         if not (self._seconds and self._has_stamps and self.fps and count):

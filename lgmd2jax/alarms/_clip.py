@@ -7,6 +7,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from jaxtyping import Bool, Float, Int, Real
 
+from lgmd2jax._video.recording import time_of
+
 Stretch = tuple[int, int]  # first and last frame, as they are counted in the file
 
 
@@ -21,6 +23,9 @@ class ClipLabels:
     - `windows`: stretches in each of which an alarm must be raised.
     - `silent`: stretches in which none may be.
     - `contact`: the frame of the file in which something is hit, perhaps one after its end; None where nothing is.
+    - `source`: where the clip comes from. Clips of one source are alike, so that they are left out together; None for
+      a rendered clip, which is never left out.
+    - `weight`: how much an error on this clip counts in a fit.
     """
 
     name: str
@@ -31,6 +36,8 @@ class ClipLabels:
     windows: tuple[Stretch, ...] = ()
     silent: tuple[Stretch, ...] = ()
     contact: int | None = None
+    source: str | None = None
+    weight: float = 1.0
 
     def in_windows(self) -> Bool[np.ndarray, "window time"]:
         """Which frames lie in each window."""
@@ -45,10 +52,7 @@ class ClipLabels:
     @property
     def contact_ms(self) -> float | None:
         """When something is hit, in ms, perhaps after the clip's end."""
-        if self.contact is None:
-            return None
-        beyond = max(self.contact - int(self.index[-1]), 0) * 1000 / self.fps
-        return float(np.interp(self.contact, self.index, self.time)) + beyond
+        return None if self.contact is None else time_of(self.contact, self.index, self.time)
 
     @property
     def silent_minutes(self) -> float:
@@ -82,17 +86,21 @@ class LabelledClip(ClipLabels):
         time: Float[np.ndarray, " time"] | None = None,
         interval: Float[np.ndarray, " time"] | None = None,
         count: int | None = None,
+        source: str | None = None,
+        weight: float | int = 1.0,
     ) -> "LabelledClip":
         """A clip of your own with its labels.
 
         **Arguments:** as the fields; stretches are pairs of first and last frame. Without `index` and `time` the frames
-        are taken to be all of the file's; without `interval` the times say it.
+        are taken to be all of the file's; without `interval` the times say it; without `source` it is the name.
 
         - `count`: how many frames the file holds, where the last ones were dropped as repeats.
 
-        **Raises:** `ValueError` for stretches that are reversed, overlap or lie outside of the clip, and for frames
-        with NaN or with a mask.
+        **Raises:** `ValueError` for stretches that are reversed, overlap or lie outside of the clip, for frames with
+        NaN or with a mask, and for a weight that is not positive.
         """
+        if not (np.isfinite(weight) and weight > 0):
+            raise ValueError(f"{name}: weight is {weight!r}; give a positive number")
         if np.ma.isMaskedArray(frames) or not np.isfinite(frames).all():
             raise ValueError(f"{name}: frames holds NaN, infinite or masked pixels; fill them first")
         index = np.arange(len(frames)) if index is None else index
@@ -102,6 +110,7 @@ class LabelledClip(ClipLabels):
         time = index * (1000.0 / fps) if time is None else time
         count = int(index[-1]) + 1 if count is None else count
         labels = labels_of(name, fps, index, time, interval, count, windows=windows, silent=silent, contact=contact)
+        labels = dataclasses.replace(labels, source=name if source is None else source, weight=float(weight))
         return cls(**vars(labels), frames=frames)
 
 

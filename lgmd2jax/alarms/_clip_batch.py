@@ -1,6 +1,7 @@
 """Clips of one raster side by side, and the evidence for an alarm over each."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import equinox as eqx
 import jax
@@ -10,10 +11,12 @@ from jaxtyping import Array, Bool, Float, Real
 
 from lgmd2jax._compute.batching import each
 from lgmd2jax._network.lgmd2 import LGMD2
+from lgmd2jax._network.stages import Record
 from lgmd2jax.alarms._clip import LabelledClip
 from lgmd2jax.alarms._evidence import evidence
 
 Sums = tuple[Float[Array, "_clip _time"], Float[Array, "_clip _time"]]
+_SHORT = 1023  # frames up to which clips of all lengths share a batch; of longer ones those of like lengths do
 
 
 class ClipBatch(eqx.Module):
@@ -33,7 +36,12 @@ class ClipBatch(eqx.Module):
 
     def sums(self, model: LGMD2) -> Sums:
         """MP and F of every clip. Pixels compute in float32; whole grey levels are kept as such until then."""
-        return each(lambda clip: model.sums(clip[0].astype(jnp.float32), clip[1])[0], (self.frames, self.interval))
+        return self.recorded(model, None)[0]
+
+    def recorded(self, model: LGMD2, record: Record | None) -> tuple[Sums, Any]:
+        """MP and F of every clip, and what is recorded of the layers in every frame."""
+        clips = self.frames, self.interval
+        return each(lambda clip: model.sums(clip[0].astype(jnp.float32), clip[1], record), clips)
 
     def traces(self, model: LGMD2, sums: Sums, N_sp: int) -> Float[Array, "clip time"]:
         """The evidence for an alarm in every frame."""
@@ -47,11 +55,12 @@ class ClipBatch(eqx.Module):
 
 
 def batches_of(clips: Sequence[LabelledClip]) -> tuple[ClipBatch, ...]:
-    """All clips, those of a raster in one batch."""
-    rasters: dict[tuple, list[int]] = {}
+    """All clips, those of a raster and of like lengths in one batch."""
+    alike: dict[tuple, list[int]] = {}
     for number, clip in enumerate(clips):
-        rasters.setdefault((*clip.frames.shape[1:], clip.frames.dtype), []).append(number)
-    return tuple(_batch([clips[member] for member in members], tuple(members)) for members in rasters.values())
+        length = max(len(clip.frames), _SHORT).bit_length()
+        alike.setdefault((*clip.frames.shape[1:], clip.frames.dtype, length), []).append(number)
+    return tuple(_batch([clips[member] for member in members], tuple(members)) for members in alike.values())
 
 
 def _batch(clips: Sequence[LabelledClip], members: tuple[int, ...]) -> ClipBatch:

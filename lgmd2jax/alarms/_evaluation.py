@@ -1,20 +1,23 @@
 """How well a model does on labelled clips: the alarms of each, hits against false alarms, and time before contact."""
 
 import dataclasses
+import itertools
 import math
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import equinox as eqx
+import jax
 import numpy as np
-import scipy
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float, Int
 
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._signals import stretches
 from lgmd2jax.alarms._clip import ClipLabels, LabelledClip, Stretch
 from lgmd2jax.alarms._clip_batch import ClipBatch, batches_of
-from lgmd2jax.alarms._evidence import spikes_for_alarm
+from lgmd2jax.alarms._counts import Counts, Score
+from lgmd2jax.alarms._evidence import evidence, spikes_for_alarm
+from lgmd2jax.alarms._reasons import Drive, FalseAlarm, Miss, active_part, drive_of, false_alarms, misses
 
 
 class Verdict(NamedTuple):
@@ -25,6 +28,9 @@ class Verdict(NamedTuple):
     - `false_alarms`: how often it was raised or stood in a silence.
     - `warning_ms`: from the first alarm in a window to contact; NaN without either.
     - `margin`: how far T_sp may move until something here changes, in units of U'; negative where something is wrong.
+    - `fps`: frames a second that differ from the one before.
+    - `misses`, `raised`: why each missed window was missed, and where in the field each false alarm came from; empty
+      for evidence whose drive is not known.
     """
 
     clip: str
@@ -33,6 +39,9 @@ class Verdict(NamedTuple):
     false_alarms: int
     warning_ms: float
     margin: float
+    fps: float = math.nan
+    misses: tuple[Miss, ...] = ()
+    raised: tuple[FalseAlarm, ...] = ()
 
     @property
     def right(self) -> bool:
@@ -40,54 +49,75 @@ class Verdict(NamedTuple):
         return all(self.hits) and not self.false_alarms
 
 
-class Share(NamedTuple):
-    """A share or a rate with its 95 % interval."""
-
-    value: float
-    low: float
-    high: float
-
-
-class Score(NamedTuple):
-    """Windows hit, and false alarms a minute, over all clips."""
-
-    hits: Share
-    false_alarms: Share
-
-
 @dataclasses.dataclass(frozen=True)
 class Evaluation:
     """The evidence for an alarm in every frame of every clip, so that every T_sp can be judged.
 
-    `T_sp`: the model's own.
+    - `T_sp`: the model's own.
+    - `drives`: what acted on the cell in each frame of every clip; none for evidence of another origin.
     """
 
     clips: tuple[ClipLabels, ...]
     evidence: tuple[Float[np.ndarray, " _time"], ...]
     T_sp: float
+    drives: tuple[Drive, ...] = ()
 
     def verdicts(self) -> tuple[Verdict, ...]:
         """What the model does on each clip."""
-        return tuple(_verdict(clip, trace, self.T_sp) for clip, trace in zip(self.clips, self.evidence, strict=True))
+        drives = self.drives or [None] * len(self.clips)
+        return tuple(
+            _verdict(clip, trace, drive, self.T_sp)
+            for clip, trace, drive in zip(self.clips, self.evidence, drives, strict=True)
+        )
 
     def operating_curve(
         self, thresholds: Float[np.ndarray, " threshold"]
     ) -> tuple[Float[np.ndarray, " threshold"], Float[np.ndarray, " threshold"]]:
         """For each T_sp the share of windows that are hit, and false alarms a minute of what must be silent."""
-        counts = np.array([self._counts(threshold) for threshold in thresholds])
-        return counts[:, 0] / max(self.windows, 1), counts[:, 1] / max(self.silent_minutes, 1e-9)
+        judged = zip(self.clips, self.evidence, strict=True)
+        peaks = [trace[inside].max() for clip, trace in judged for inside in clip.in_windows()]
+        hits = _reaching(np.array(peaks, float), thresholds)
+        return hits / max(self.windows, 1), self.raised(thresholds) / max(self.silent_minutes, 1e-9)
+
+    def raised(self, thresholds: Float[np.ndarray, " threshold"]) -> Int[np.ndarray, " threshold"]:
+        """How many false alarms each threshold raises: in frames that reach it where the silent one before did not."""
+        lowest = np.full(1, -np.inf)
+        before = [
+            np.concatenate([lowest, np.where(silent, trace, -np.inf)[:-1]])[silent]
+            for trace, silent in zip(self.evidence, map(ClipLabels.in_silence, self.clips), strict=True)
+        ]
+        now = self.silent_evidence
+        return _reaching(now, thresholds) - _reaching(np.minimum(now, np.concatenate([*before, now[:0]])), thresholds)
+
+    @property
+    def silent_evidence(self) -> Float[np.ndarray, " frame"]:
+        """The evidence in all frames that must be silent."""
+        judged = zip(self.clips, self.evidence, strict=True)
+        return np.concatenate([np.zeros(0), *(trace[clip.in_silence()] for clip, trace in judged)])
+
+    def among(self, chosen: Bool[np.ndarray, " clip"]) -> "Evaluation":
+        """The evaluation of some of the clips."""
+        clips, evidence, drives = (
+            tuple(itertools.compress(each, chosen)) for each in (self.clips, self.evidence, self.drives)
+        )
+        return dataclasses.replace(self, clips=clips, evidence=evidence, drives=drives)
 
     def score(self) -> Score:
         """Both at the model's own T_sp: hits with Wilson's interval, false alarms with Garwood's of a Poisson count."""
-        hits, false = self._counts(self.T_sp)
-        share = Share(math.nan, 0.0, 1.0)
-        if self.windows:
-            interval = scipy.stats.binomtest(hits, self.windows).proportion_ci(method="wilson")
-            share = Share(hits / self.windows, float(interval.low), float(interval.high))
-        minutes = self.silent_minutes or math.nan
-        low = scipy.stats.chi2.ppf(0.025, 2 * false) / 2 if false else 0.0
-        high = scipy.stats.chi2.ppf(0.975, 2 * false + 2) / 2
-        return Score(share, Share(false / minutes, float(low) / minutes, float(high) / minutes))
+        return self.counts().score()
+
+    def counts(self, threshold: float | None = None) -> Counts:
+        """Hits and false alarms of each clip at a threshold, by default the model's own T_sp."""
+        threshold = self.T_sp if threshold is None else threshold
+        hits, false = np.array([self.counts_of(clip, threshold) for clip in range(len(self.clips))]).T
+        windows = np.array([len(clip.windows) for clip in self.clips])
+        return Counts(hits, windows, false, np.array([clip.silent_minutes for clip in self.clips]))
+
+    def counts_of(self, clip: int, threshold: float) -> tuple[int, int]:
+        """The windows hit and the false alarms of the clip of a number at a threshold."""
+        labels, on = self.clips[clip], self.evidence[clip] >= threshold
+        hits = int((labels.in_windows() & on).any(axis=1).sum())
+        return hits, len(stretches(on & labels.in_silence()))
 
     @property
     def windows(self) -> int:
@@ -98,14 +128,6 @@ class Evaluation:
     def silent_minutes(self) -> float:
         """How long there must be silence in all."""
         return sum(clip.silent_minutes for clip in self.clips)
-
-    def _counts(self, threshold: float) -> tuple[int, int]:
-        hits = false = 0
-        for clip, trace in zip(self.clips, self.evidence, strict=True):
-            on = trace >= threshold
-            hits += int((clip.in_windows() & on).any(axis=1).sum())
-            false += _times_raised(on & clip.in_silence())
-        return hits, false
 
 
 @dataclasses.dataclass(frozen=True)
@@ -131,20 +153,40 @@ def evaluate(model: LGMD2, clips: Sequence[LabelledClip]) -> Evaluation:
     """
     if not clips:
         raise ValueError("clips is empty; give at least one")
-    traces: list[np.ndarray] = [np.zeros(0)] * len(clips)
+    traces: dict[int, np.ndarray] = {}
+    drives: dict[int, Drive] = {}
     for batch in batches_of(clips):
-        padded = np.asarray(_traces(model, batch, spikes_for_alarm(model)))
-        for member, trace in zip(batch.members, padded, strict=True):
-            traces[member] = trace[: len(clips[member].frames)]
-    return Evaluation(tuple(clips), tuple(traces), float(model.parameters.T_sp))
+        padded, drive = jax.device_get(_judged(model, batch, spikes_for_alarm(model)))
+        for place, member in enumerate(batch.members):
+            length = len(clips[member].frames)
+            traces[member] = padded[place, :length]
+            drives[member] = Drive(*(channel[place, :length] for channel in drive))
+    order = range(len(clips))
+    T_sp = float(model.parameters.T_sp)
+    return Evaluation(tuple(clips), tuple(traces[i] for i in order), T_sp, tuple(drives[i] for i in order))
 
 
 @eqx.filter_jit
-def _traces(model: LGMD2, batch: ClipBatch, N_sp: int) -> Float[Array, "clip time"]:
-    return batch.traces(model, batch.sums(model), N_sp)
+def _judged(model: LGMD2, batch: ClipBatch, N_sp: int) -> tuple[Float[Array, "clip time"], Drive]:
+    """The evidence in every frame, and what acted on the cell."""
+    pixels = batch.frames[0, 0].size
+
+    def judged(sums, part, interval):
+        response = model.respond(sums, interval, pixels)
+        trace = evidence(response.smp_adapted, model.parameters.sigma_sp, N_sp, model.N_ts)
+        return trace, drive_of(model, sums.mp, response.ffi, part, interval, pixels, N_sp)
+
+    return jax.vmap(judged)(*batch.recorded(model, active_part), batch.interval)
 
 
-def _verdict(clip: ClipLabels, trace: np.ndarray, T_sp: float) -> Verdict:
+def _reaching(
+    evidence: Float[np.ndarray, " frame"], thresholds: Float[np.ndarray, " threshold"]
+) -> Int[np.ndarray, " threshold"]:
+    """How often the evidence reaches each threshold."""
+    return len(evidence) - np.searchsorted(np.sort(evidence), thresholds)
+
+
+def _verdict(clip: ClipLabels, trace: np.ndarray, drive: Drive | None, T_sp: float) -> Verdict:
     on, silence, inside = trace >= T_sp, clip.in_silence(), clip.in_windows()
     margins = [float(trace[window].max()) - T_sp for window in inside]
     if silence.any():
@@ -157,11 +199,10 @@ def _verdict(clip: ClipLabels, trace: np.ndarray, T_sp: float) -> Verdict:
         clip=clip.name,
         alarms=tuple((int(clip.index[a]), int(clip.index[b])) for a, b in stretches(on)),
         hits=tuple(bool((window & on).any()) for window in inside),
-        false_alarms=_times_raised(on & silence),
+        false_alarms=len(stretches(on & silence)),
         warning_ms=warning,
         margin=min(margins, default=math.nan),
+        fps=clip.fps,
+        misses=() if drive is None else misses(clip, trace, drive, T_sp),
+        raised=() if drive is None else false_alarms(clip, trace, drive, T_sp),
     )
-
-
-def _times_raised(on: np.ndarray) -> int:
-    return len(stretches(on))

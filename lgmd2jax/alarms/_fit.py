@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 _PARENTS = 8  # of a generation
 _REACH = 0.1  # of the first generation, in the unit box; each of the next goes half as far
-_LEFT_OUT = 32  # clips at most, for each of which the choice is made anew without it
+_LEFT_OUT = 32  # sources at most, for each of which the choice is made anew without it
 
 
 def fit(
@@ -39,6 +39,7 @@ def fit(
     key: Array,
     miss: float | int = 1.0,
     false_alarm: float | int = 1.0,
+    recorded: float | int | None = None,
     pixel_points: int = 128,
     cell_points: int = 256,
     generations: int = 4,
@@ -64,7 +65,10 @@ def fit(
     - `clips`: those of `load_labels`, or your own by `LabelledClip.of`.
     - `free`: which parameters may change, within which bounds; T_sp is always among them.
     - `key`: of the search's random points. The same key gives the same fit.
-    - `miss`, `false_alarm`: what it costs to miss a window, and to break the silence of a clip.
+    - `miss`, `false_alarm`: what it costs to miss a window, and to break the silence of a clip, or of each five seconds
+      or so of a long one.
+    - `recorded`: what all recorded clips, those that have a source, weigh together, as a multiple of the rendered ones;
+      by default each error counts alike, times the weight of its clip.
     - `pixel_points`, `cell_points`, `descend`, `temperatures`, `max_steps`: as for `lgmd2jax.fit`.
     - `generations`: of the search near the best, each a quarter of the pixel points; 0 for none, as for `descend`.
     - `progress`: show a bar.
@@ -79,13 +83,15 @@ def fit(
     the memory of another fit, and for numbers that make no sense.
     """
     check_key(key)
-    _check(model, clips, {"miss": miss, "false_alarm": false_alarm})
+    _check(model, clips, {"miss": miss, "false_alarm": false_alarm, "recorded": 1 if recorded is None else recorded})
     check_counts({"pixel_points": pixel_points, "cell_points": cell_points, "max_steps": max_steps}, at_least=1)
     check_counts({"generations": generations, "descend": descend}, at_least=0)
     model = dataclasses.replace(model, thresholds=Hard())
     if "T_sp" not in free.names:
         free = free.also(T_sp=None)
-    problem = problem_of(model, free, clips, float(miss), float(false_alarm))
+    problem = problem_of(
+        model, free, clips, float(miss), float(false_alarm), None if recorded is None else float(recorded)
+    )
     search = Search.of(
         problem,
         problem.cell_entries,
@@ -95,10 +101,13 @@ def fit(
         cell_points=cell_points,
         temperatures=tuple(map(float, temperatures)),
     )
-    own_events = problem.own_events() if 1 < len(clips) <= _LEFT_OUT else {}
-    starts = AlarmStarts(search, max_steps, own_events)
+    sources = _sources(clips)
+    events_of = dict(enumerate(problem.events_of(numbers) for numbers in sources.values()))
+    events_of = {i: own for i, own in events_of.items() if own.any() and not own.all()}
+    events_of = events_of if len(events_of) <= _LEFT_OUT else {}
+    starts = AlarmStarts(search, max_steps, events_of)
     children = max(1, pixel_points // 4)
-    total = pixel_points + generations * children + min(descend, pixel_points) + len(own_events)
+    total = pixel_points + generations * children + min(descend, pixel_points) + len(events_of)
     digest = "" if memory is None else fingerprint((starts, generations))
     with Work({} if memory is None else memory, progress, client, digest=digest, total=total) as work:
         anywhere = starts.screenings(work.do("screening", starts.screen, range(pixel_points), starts.compile_screening))
@@ -111,34 +120,51 @@ def fit(
         chosen = sorted(best, key=lambda number: risk(best[number]))[:descend]
         task = partial(starts.descend, {number: best[number] for number in chosen})
         descents = _contenders(work.do("descending", task, chosen, search.compile_descent))
-        # Generations and descents saw all clips: a choice without one sets out from what was looked at anywhere.
+        # Generations and descents saw all clips: a choice without a source sets out from what was looked at anywhere.
         without = {
-            clip: min((screening.best_without[clip] for screening in anywhere.values()), key=risk)
-            for clip in own_events
+            source: min((screening.best_without[source] for screening in anywhere.values()), key=risk)
+            for source in events_of
         }
-        left_out = _contenders(work.do("leaving out", partial(starts.leave_out, without), own_events))
+        task = partial(starts.leave_out, without, [_REACH / 2**generation for generation in range(generations)])
+        left_out = _contenders(work.do("leaving out", task, events_of))
         stopped = work.stop.is_set()
     winner = min([*best.values(), *descents.values()], key=risk)
-    parameters, _ = free.insert(model.parameters, Observation(), np.array(winner.z))
-    model = dataclasses.replace(model, parameters=parameters)
+    recorded_clips = [clip for clip in clips if clip.source is not None]
+    names = list(sources)
     return AlarmFit(
-        model=model,
+        model=_model_at(model, free, winner),
         free=free,
         z=np.array(winner.z),
         cost=winner.cost,
         margin=winner.margin,
-        evaluation=evaluate(model, clips),
+        evaluation=evaluate(_model_at(model, free, winner), clips),
         screened=sum(screening.count for screening in anywhere.values()),
         right=sum(screening.right for screening in anywhere.values()),
         ranges=_ranges(problem, tuple(anywhere.values())),
         descended=tuple(
             AlarmDescent(number, best[number].margin, after.margin, after.cost) for number, after in descents.items()
         ),
-        left_out={
-            clips[clip].name: contender.errors(problem, own_events[clip]) for clip, contender in left_out.items()
+        without={
+            names[source]: evaluate(_model_at(model, free, contender), recorded_clips)
+            for source, contender in left_out.items()
         },
         stopped=stopped,
     )
+
+
+def _sources(clips: Sequence[LabelledClip]) -> dict[str, list[int]]:
+    """The numbers of the clips of each source."""
+    sources: dict[str, list[int]] = {}
+    for number, clip in enumerate(clips):
+        if clip.source is not None:
+            sources.setdefault(clip.source, []).append(number)
+    return sources
+
+
+def _model_at(model: LGMD2, free: Free, contender: Contender) -> LGMD2:
+    """The model with the parameters of a contender."""
+    parameters, _ = free.insert(model.parameters, Observation(), np.array(contender.z))
+    return dataclasses.replace(model, parameters=parameters)
 
 
 def _contenders(results: Mapping[int, Result]) -> dict[int, Contender]:

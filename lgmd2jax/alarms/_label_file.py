@@ -2,9 +2,11 @@
 
 import dataclasses
 import math
+import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import jax
 import numpy as np
@@ -23,8 +25,9 @@ from lgmd2jax._words import is_refusal, within
 from lgmd2jax.alarms._clip import ClipLabels, LabelledClip, check_stretches, labels_of
 from lgmd2jax.alarms._decoding import decode
 from lgmd2jax.alarms._evaluation import Evaluation, evaluate
+from lgmd2jax.alarms._reasons import Drive
 from lgmd2jax.alarms._streaming import streamed_evidence
-from lgmd2jax.stimuli import Encounter, encounters
+from lgmd2jax.stimuli import Encounter, encounters, films
 
 _SETTLE = 10  # frames at the beginning of a clip that are not judged: the network comes to rest
 _GRACE_MS = 1000.0  # after contact nothing is judged: the camera jolts
@@ -32,14 +35,16 @@ _GRACE_MS = 1000.0  # after contact nothing is judged: the camera jolts
 
 @dataclasses.dataclass(frozen=True)
 class Rendering:
-    """Which clips to render: how many, from which seed, and how time to contact becomes a label.
+    """Which clips to render: how many, from which seed and world, and how time to contact becomes a label.
 
+    - `world`: `"encounters"`, single objects before a screen, or `"films"`, which have the statistics of real ones.
     - `alarm_below_ms`: an alarm is wanted while contact is nearer than that, on a collision course of a dark object.
     - `silent_above_ms`: silence is wanted while it is further away than that; between the two nothing is judged.
     """
 
     count: int
     seed: int = 0
+    world: Literal["encounters", "films"] = "encounters"
     duration_ms: float | int = 3000.0
     alarm_below_ms: float | int = 1000.0
     silent_above_ms: float | int = 2000.0
@@ -55,18 +60,20 @@ class Rendering:
 
     def clips(self, eye: Eye) -> Iterator[LabelledClip]:
         """Render the clips for an eye, one by one, with their labels."""
-        shown = encounters(eye, jax.random.key(self.seed), self.count, duration_ms=self.duration_ms)
+        world = {"encounters": encounters, "films": films}[self.world]
+        shown = world(eye, jax.random.key(self.seed), self.count, duration_ms=self.duration_ms)
         for number, encounter in enumerate(shown):
-            yield self._labelled(f"{number:03d} {encounter.kind}", encounter)
+            yield self.labelled(f"{number:03d} {encounter.kind}", encounter)
 
-    def _labelled(self, name: str, encounter: Encounter) -> LabelledClip:
+    def labelled(self, name: str, encounter: Encounter) -> LabelledClip:
+        """A rendered clip with its labels."""
         left = np.asarray(encounter.time_to_contact_ms)
         count = len(left)
         judged = np.arange(count) >= _SETTLE
         contact = None
         if np.isfinite(left[-1]):
             contact = count - 1 + round(float(left[-1]) * encounter.stimulus.fps / 1000)
-        return LabelledClip.of(
+        clip = LabelledClip.of(
             name,
             np.asarray(encounter.stimulus.frames).astype(np.uint8),
             encounter.stimulus.fps,
@@ -74,6 +81,7 @@ class Rendering:
             silent=stretches(judged & (left > self.silent_above_ms)),
             contact=contact,
         )
+        return dataclasses.replace(clip, source=None)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -89,13 +97,21 @@ class LabelFile:
     def load(self, progress: Callable[[Iterable], Iterable] = iter) -> tuple[LabelledClip, ...]:
         """All clips, recorded ones first. `progress` wraps the loop over them; what is rendered counts as one.
 
-        All recorded clips are opened and their labels checked before the first is decoded.
+        All recorded clips are opened and their labels checked before the first is decoded, as many at a time as there
+        are cores.
 
         **Raises:** `ValueError` that names all clips whose files or labels are wrong.
         """
-        with within(f"{self.folder / self.name}.toml"):
-            sources = [*self._opened(), *([] if self.rendered is None else [self.rendered])]
-            return tuple(clip for source in progress(sources) for clip in self._clips_of(source))
+        pool = ThreadPoolExecutor(os.cpu_count())
+        try:
+            with within(f"{self.folder / self.name}.toml"):
+                sources = [
+                    *(pool.submit(opened.labelled) for opened in self._opened()),
+                    *([] if self.rendered is None else [self.rendered]),
+                ]
+                return tuple(clip for source in progress(sources) for clip in self._clips_of(source))
+        finally:
+            pool.shutdown(cancel_futures=True)
 
     def evaluate(self, model: LGMD2) -> Evaluation:
         """Run a model over all clips, recorded ones first, as `evaluate(model, file.load())` does.
@@ -108,17 +124,17 @@ class LabelFile:
         with within(f"{self.folder / self.name}.toml"):
             streamed = [clip.judged(model) for clip in self._opened()]
             rendered = () if self.rendered is None else tuple(self.rendered.clips(self.eye))
-        clips, traces = zip(*streamed, strict=True) if streamed else ((), ())
+        clips, traces, drives = zip(*streamed, strict=True) if streamed else ((), (), ())
         if not rendered:
-            return Evaluation(clips, traces, float(model.parameters.T_sp))
+            return Evaluation(clips, traces, float(model.parameters.T_sp), drives)
         others = evaluate(model, rendered)
-        return Evaluation((*clips, *others.clips), (*traces, *others.evidence), others.T_sp)
+        return Evaluation((*clips, *others.clips), (*traces, *others.evidence), others.T_sp, (*drives, *others.drives))
 
-    def _clips_of(self, source: "_Opened | Rendering") -> Iterator[LabelledClip]:
+    def _clips_of(self, source: "Future[LabelledClip] | Rendering") -> Iterator[LabelledClip]:
         if isinstance(source, Rendering):
             yield from source.clips(self.eye)
         else:
-            yield source.labelled()
+            yield source.result()
 
     def _opened(self) -> list["_Opened"]:
         opened, faults = [], []
@@ -149,7 +165,9 @@ def load_labels(source: str | Path) -> LabelFile:
     file = "crash.mp4"          # beside this file; any video that ffmpeg reads, or a folder of images
     alarm = [[149, 175]]        # in each of these an alarm must be raised; leave it out where all must be silent
     silent = [[10, 120]]        # by default all else but the first 10 frames and a grace time after contact
-    contact = 174               # the frame in which something is hit
+    contact = 174               # the frame in which something is hit, perhaps one after the clip's end
+    source = "dashcam of May"   # clips of one source are left out together; by default each is a source of its own
+    weight = 1                  # how much an error on this clip counts in a fit
     drop_duplicates = true      # for a file whose frame rate was converted
     crop = ":,36:397"           # rows and columns to use
     # before_ms = [1000, 0]     # instead of alarm: from so long before contact to so long before it
@@ -158,6 +176,7 @@ def load_labels(source: str | Path) -> LabelFile:
     [rendered]                  # clips without end; their label is the time to contact by geometry
     count = 100
     seed = 0
+    world = "films"             # with the statistics of real films; "encounters" are objects before a screen
     alarm_below_ms = 1000
     silent_above_ms = 2000
     ```
@@ -208,7 +227,7 @@ class _Opened(NamedTuple):
             until_damage=bool(table.get("until_damage", False)),
         )
         opened = cls(table, place, clip)
-        opened.check_labels(clip.count)
+        opened.check_labels(clip.most)
         return opened
 
     @property
@@ -219,12 +238,10 @@ class _Opened(NamedTuple):
     def check_labels(self, count: int | None) -> None:
         """Raise `ValueError` for what is no label: labels are frames of the file, repeated ones included.
 
-        `count`: how many frames there are, where that is known.
+        `count`: how many frames there are, or are at most, where that is known.
         """
         name, table = self.name, self.table
         contact, last = table.get("contact"), math.inf if count is None else count - 1
-        if contact is not None and contact > last:
-            raise ValueError(f"{name}: contact is {contact!r}; give a frame of 0 to {last}")
         check_stretches(name, last, {kind: table.get(kind) or [] for kind in ("alarm", "silent")})
         if (before := table.get("before_ms")) is not None:
             if contact is None:
@@ -243,30 +260,36 @@ class _Opened(NamedTuple):
         film = decode(self.clip, self.place, self.drops_duplicates, options)
         return LabelledClip(**vars(self._labels(film)), frames=film.frames)
 
-    def judged(self, model: LGMD2) -> tuple[ClipLabels, Float[np.ndarray, " time"]]:
-        """The labels of the clip, and the evidence for an alarm in each of its frames, which are let go one by one."""
+    def judged(self, model: LGMD2) -> tuple[ClipLabels, Float[np.ndarray, " time"], Drive]:
+        """The labels of the clip, the evidence and what acts on the cell in its frames, which are let go one by one."""
         clip = self.clip.without_repeats() if self.drops_duplicates else self.clip
-        film, trace = streamed_evidence(model, clip)
-        return self._labels(film), trace
+        film, trace, drive = streamed_evidence(model, clip)
+        return self._labels(film), trace, drive
 
     def _labels(self, film: Timeline) -> ClipLabels:
         table = self.table
         self.check_labels(film.count)
         contact, windows, silent = table.get("contact"), table.get("alarm", []), table.get("silent")
         if contact is not None and "before_ms" in table:
-            windows = [_before(table["before_ms"], contact, film)]
+            windows = [self._before(table["before_ms"], film.time_of(contact), film)]
         if silent is None:
             grace = -1
             if contact is not None:
                 grace = film.frame_at(film.time_of(contact) + table.get("grace_ms", _GRACE_MS))
             silent = _rest(windows, table.get("settle", _SETTLE), contact, grace, film.count - 1)
-        labels = {"windows": windows, "silent": silent, "contact": contact}
-        return labels_of(self.name, film.fps, film.index, film.time, film.interval, film.count, **labels)
+        clock = film.fps, film.index, film.time, film.interval, film.count
+        labels = labels_of(self.name, *clock, windows=windows, silent=silent, contact=contact)
+        source, weight = table.get("source", self.name), float(table.get("weight", 1))
+        return dataclasses.replace(labels, source=source, weight=weight)
 
-
-def _before(before: list, contact: int, film: Timeline) -> tuple[int, int]:
-    first, last = (film.frame_at(film.time_of(contact) - lead) for lead in before)
-    return first, last
+    def _before(self, before: list, contact_ms: float, film: Timeline) -> tuple[int, int]:
+        if (missing := contact_ms - before[0] - film.time[-1]) > 0:
+            raise ValueError(
+                f"{self.name}: before_ms is {before!r}, but the clip ends {before[0] + missing:.0f} ms before contact; "
+                "give a longer time, or an earlier contact"
+            )
+        first, last = (film.frame_at(contact_ms - lead) for lead in before)
+        return first, last
 
 
 def _rest(

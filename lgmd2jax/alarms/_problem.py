@@ -1,6 +1,6 @@
 """What a fit of alarms searches: the largest evidence in every window and every silence, at a point of the unit box."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import NamedTuple
 
 import equinox as eqx
@@ -14,6 +14,7 @@ from lgmd2jax._targets.observation import Observation
 from lgmd2jax.alarms._clip import LabelledClip
 from lgmd2jax.alarms._clip_batch import ClipBatch, Sums, batches_of
 from lgmd2jax.alarms._evidence import NEVER
+from lgmd2jax.alarms._pieces import pieces
 from lgmd2jax.fitting import Free
 from lgmd2jax.fitting._search.space import Space
 
@@ -23,7 +24,10 @@ _SMOOTH = 0.02  # at temperature 1: within so much of U' frames count alike in a
 
 
 class Event(NamedTuple):
-    """A window of a clip, in which an alarm is wanted, or all silences of a clip, with what an error there weighs."""
+    """A window of a clip, in which an alarm is wanted, or the silence of a piece of it, with what an error weighs.
+
+    `clip`: the clip's number.
+    """
 
     clip: int
     wanted: bool
@@ -52,10 +56,9 @@ class AlarmProblem(Space[LGMD2]):
         """Which events want an alarm."""
         return np.array([event.wanted for event in self.events])
 
-    def own_events(self) -> dict[int, Bool[np.ndarray, " event"]]:
-        """Which events belong to each clip that has any, by the clip's number."""
-        owners = np.array([event.clip for event in self.events])
-        return {int(clip): owners == clip for clip in np.unique(owners)}
+    def events_of(self, clips: Collection[int]) -> Bool[np.ndarray, " event"]:
+        """Which events belong to some of the clips, by their numbers."""
+        return np.array([event.clip in clips for event in self.events])
 
     @property
     def weights(self) -> Float[np.ndarray, " event"]:
@@ -102,16 +105,36 @@ def _largest(trace: Array, among: Array, smooth: Float[Array, ""] | None) -> Arr
 
 
 def problem_of(
-    model: LGMD2, free: Free, clips: Sequence[LabelledClip], miss: float, false_alarm: float
+    model: LGMD2,
+    free: Free,
+    clips: Sequence[LabelledClip],
+    miss: float,
+    false_alarm: float,
+    recorded: float | None = None,
 ) -> AlarmProblem:
     """The problem of labelled clips.
 
-    **Arguments:** `miss`, `false_alarm`: what it costs to miss a window, and to break a clip's silence.
+    **Arguments:** `miss`, `false_alarm`: what it costs to miss a window, and to break the silence of a piece of a clip.
+    `recorded`: what all errors on recorded clips weigh together, as a multiple of all those on rendered ones.
     """
-    batches, events = batches_of(clips), []
+    parts = [(number, piece) for number, clip in enumerate(clips) for piece in pieces(clip)]
+    batches, events = batches_of([piece for _, piece in parts]), []
     for batch in batches:
-        for member, has_window in zip(batch.members, batch.has_window, strict=True):
-            events += [Event(member, True, miss)] * sum(has_window)
-        for member, has_silence in zip(batch.members, batch.has_silence, strict=True):
-            events += [Event(member, False, false_alarm)] * has_silence
+        numbers = [parts[member][0] for member in batch.members]
+        for number, has_window in zip(numbers, batch.has_window, strict=True):
+            events += [Event(number, True, miss * clips[number].weight)] * sum(has_window)
+        for number, has_silence in zip(numbers, batch.has_silence, strict=True):
+            events += [Event(number, False, false_alarm * clips[number].weight)] * has_silence
+    if recorded is not None:
+        events = _balanced(events, {number for number, clip in enumerate(clips) if clip.source is None}, recorded)
     return AlarmProblem(model, Observation(), free, batches, tuple(events), round(float(model.parameters.N_sp)))
+
+
+def _balanced(events: Sequence[Event], rendered: Collection[int], share: float) -> list[Event]:
+    """The events, those of recorded clips together weighing `share` times those of rendered ones, if there are both."""
+    of_rendered = sum(event.weight for event in events if event.clip in rendered)
+    of_recorded = sum(event.weight for event in events) - of_rendered
+    if not (of_rendered and of_recorded):
+        return list(events)
+    factor = share * of_rendered / of_recorded
+    return [event if event.clip in rendered else event._replace(weight=factor * event.weight) for event in events]

@@ -26,7 +26,7 @@ from lgmd2jax.fitting._sections import free_of, model_of
 class AlarmRecipe:
     """A fit of alarms to be made: the model, what is free, and the file of labelled clips.
 
-    - `weights`: what it costs to miss a window, and to break a silence.
+    - `weights`: what it costs to miss a window, and to break a silence; what recorded clips weigh together.
     - `validation`: which clips to render, with a seed that the fit does not use, for the score of the report.
     - `table`: the file's content.
     """
@@ -45,11 +45,21 @@ class AlarmRecipe:
         """Of the search's random points."""
         return self.solver.get("seed", 0)
 
+    @property
+    def within_ms(self) -> float | int | None:
+        """The time of the urgency, None where none is asked for."""
+        return self.table.get("urgency", {}).get("within_ms")
+
     def run(self, clips: Sequence[LabelledClip], progress: bool = False, memory=None) -> AlarmFit:
         """Make the fit."""
         settings = {name: value for name, value in self.solver.items() if name != "seed"}
         key = jax.random.key(self.seed)
         return fit(self.model, clips, self.free, key=key, progress=progress, memory=memory, **self.weights, **settings)
+
+    def weighing(self, recorded: float | int) -> "AlarmRecipe":
+        """The recipe with recorded clips that together weigh so many times what the rendered ones do."""
+        weights = {**self.weights, "recorded": recorded}
+        return dataclasses.replace(self, weights=weights, table={**self.table, "weights": weights})
 
     def held_out(self) -> tuple[LabelledClip, ...]:
         """The clips that the fit does not see."""
@@ -59,7 +69,8 @@ class AlarmRecipe:
         """A digest of all that the fit sees: recipe, clips and labels."""
         digest = hashlib.sha256(json.dumps(self.table, sort_keys=True).encode())
         for clip in clips:
-            digest.update(repr((clip.fps, clip.windows, clip.silent, clip.contact)).encode())
+            labels = clip.fps, clip.windows, clip.silent, clip.contact, clip.source, clip.weight
+            digest.update(repr(labels).encode())
             digest.update(np.ascontiguousarray(clip.frames).tobytes() + clip.index.tobytes() + clip.interval.tobytes())
         return digest.hexdigest()
 
@@ -81,6 +92,8 @@ def alarm_recipe(path: Path, table: dict[str, Any]) -> AlarmRecipe:
     held_out = Rendering(**table["validation"]) if "validation" in table else None
     if held_out is not None and file.rendered is not None and held_out.seed == file.rendered.seed:
         raise ValueError(f"validation.seed = {held_out.seed}: is that of the clips that are fitted; give another one")
+    if "urgency" in table and held_out is None:
+        raise ValueError("urgency is asked for without [validation]: nothing would say whether it holds; add it")
     return AlarmRecipe(
         name=path.stem,
         model=model_of(table, file.eye),

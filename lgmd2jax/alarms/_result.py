@@ -10,6 +10,7 @@ from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._reports.section import Section, as_text, unfinished_section
 from lgmd2jax._words import warn_renamed
 from lgmd2jax.alarms import _report
+from lgmd2jax.alarms._comparison import Comparison
 from lgmd2jax.alarms._evaluation import Evaluation, HeldOutScores
 from lgmd2jax.alarms._starts import AlarmDescent
 from lgmd2jax.fitting import Free
@@ -27,8 +28,8 @@ class AlarmFit:
       right on all clips.
     - `ranges`: between which values each parameter lay in those.
     - `descended`: the best starts, and what descending brought.
-    - `left_out`: for each clip what a set gets wrong on it that was searched and chosen without it; empty for many
-      clips.
+    - `without`: for each source of recorded clips what a set that was searched and chosen without them does on all
+      recorded clips; empty for a single source and for very many.
     - `stopped`: whether it was stopped by hand.
     """
 
@@ -42,8 +43,21 @@ class AlarmFit:
     right: int
     ranges: Mapping[str, tuple[float, float]]
     descended: tuple[AlarmDescent, ...]
-    left_out: Mapping[str, int]
+    without: Mapping[str, Evaluation]
     stopped: bool
+
+    @property
+    def left_out(self) -> dict[str, int]:
+        """For each recorded clip how much a set gets wrong on it that was searched and chosen without its source.
+
+        Each missed window counts, and a broken silence once. Clips in which nothing is judged are left out.
+        """
+        wrong = {}
+        for source, evaluation in self.without.items():
+            for clip, verdict in zip(evaluation.clips, evaluation.verdicts(), strict=True):
+                if clip.source == source and (clip.windows or clip.in_silence().any()):
+                    wrong[verdict.clip] = verdict.hits.count(False) + (verdict.false_alarms > 0)
+        return wrong
 
     @property
     def watch(self) -> Evaluation:
@@ -51,20 +65,28 @@ class AlarmFit:
         warn_renamed("AlarmFit.watch", "AlarmFit.evaluation")
         return self.evaluation
 
-    def sections(self, held_out: HeldOutScores | None = None, unfinished: Sequence[str] = ()) -> list[Section]:
+    def sections(
+        self,
+        held_out: HeldOutScores | None = None,
+        unfinished: Sequence[str] = (),
+        comparisons: Mapping[str, Comparison] | None = None,
+    ) -> list[Section]:
         """The report's sections.
 
         **Arguments:** `held_out`: what models do on clips that the fit did not see. `unfinished`: what is still to
-        come, each in a few words.
+        come, each in a few words. `comparisons`: with plain detectors, each on the clips that its title names.
         """
         return [
             *unfinished_section(unfinished),
             _report.clip_section(self.evaluation, self.left_out),
-            *([] if held_out is None else [_report.held_out_section(held_out)]),
+            *([] if held_out is None or comparisons else [_report.held_out_section(held_out)]),
+            *(_report.comparison_section(title, each) for title, each in (comparisons or {}).items()),
             _report.search_section(self.screened, self.right, self.descended, self.left_out, self.stopped),
             _report.parameter_section(self.free, self.model.parameters, self.ranges),
         ]
 
-    def summary(self, held_out: HeldOutScores | None = None) -> str:
-        """The report as text, at most 110 columns wide."""
-        return as_text(self.sections(held_out))
+    def summary(
+        self, held_out: HeldOutScores | None = None, comparisons: Mapping[str, Comparison] | None = None
+    ) -> str:
+        """The report as text, at most 110 columns wide. Arguments: as of `sections`."""
+        return as_text(self.sections(held_out, comparisons=comparisons))

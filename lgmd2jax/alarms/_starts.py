@@ -41,11 +41,6 @@ class Contender:
         """From plain data, as JSON gives it back."""
         return cls(**{**plain, "z": tuple(plain["z"]), "peaks": tuple(plain["peaks"])})
 
-    def errors(self, problem: AlarmProblem, among: Bool[np.ndarray, " event"]) -> int:
-        """How many of these events go wrong."""
-        on = np.array(self.peaks) >= self.threshold
-        return int((on != problem.wanted)[among].sum())
-
 
 def risk(contender: Contender) -> float:
     """What the best contender has least of."""
@@ -56,7 +51,7 @@ def risk(contender: Contender) -> float:
 class Screening:
     """What became of a point anywhere.
 
-    - `best`: the contender at least risk. `best_without`: the same without the events of a clip, by its number, among
+    - `best`: the contender at least risk. `best_without`: the same without the events of a source, by its number, among
       cells that were chosen without them too.
     - `count`, `right`: how many cells were tried anywhere, and how many of them were right on all clips.
     - `ends`: lowest and highest values of these, in the unit box; None where none was right.
@@ -83,7 +78,7 @@ class AlarmStarts:
     """Each task takes the number of its start, and returns plain data with the risk as `loss`.
 
     - `max_steps`: of the solver, at each temperature.
-    - `left_out`: the events of each clip, by its number, without which a choice is made too.
+    - `left_out`: the events of each source, by its number, without which a choice is made too.
     """
 
     search: Search[AlarmProblem]
@@ -115,19 +110,19 @@ class AlarmStarts:
 
     def near(self, parents: Sequence[Sequence[float]], reach: float, number: int, stop: Stop) -> Result:
         """A point near a parent, with cells near the parent's."""
-        chance, parent = np.random.default_rng([*self.search.seed, number]), np.array(parents[number % len(parents)])
-        pixels = list(self.search.space.pixel_indices)
-        moves = reach * chance.standard_normal(len(pixels)) * (chance.random(len(pixels)) < _MOVED)
-        point = parent.copy()
-        point[pixels] = np.clip(parent[pixels] + moves, 0, 1)
-        cells = self._around(parent, 2 * reach, self._cells(number))
-        return self._plain(self._closing_in(point, cells, reach, number))
+        parent = np.array(parents[number % len(parents)])
+        return self._plain(self._near(parent, reach, number, (number,), self._all))
 
-    def leave_out(self, chosen: Mapping[int, Contender], clip: int, stop: Stop) -> Result:
-        """The best contender without a clip's events, near the one `chosen` without them: no step sees the clip."""
-        point = np.array(chosen[clip].z)
-        sums = sums_at(self.search.space, point)
-        return self._plain(self._closer(chosen[clip], sums, _ANYWHERE, clip, ~self.left_out[clip]))
+    def leave_out(self, chosen: Mapping[int, Contender], reaches: Sequence[float], source: int, stop: Stop) -> Result:
+        """The best contender without a source's events, near the one `chosen` without them: no step sees the source.
+
+        `reaches`: how far, in turn, the pixels of the best so far are moved.
+        """
+        best, among = chosen[source], ~self.left_out[source]
+        best = self._closer(best, sums_at(self.search.space, np.array(best.z)), _ANYWHERE, source, among)
+        for turn, reach in enumerate(reaches):
+            best = min(best, self._near(np.array(best.z), reach, source, (source, turn), among), key=risk)
+        return self._plain(best)
 
     def descend(self, chosen: Mapping[int, Contender], number: int, stop: Stop) -> Result:
         """The best contender that the hard model judged on the way to larger margins."""
@@ -137,7 +132,7 @@ class AlarmStarts:
                 break
             descent = self.search.descend(z, temperature, self.max_steps, stop)
             cells = self._around(descent.z, 2 * _AFTER_DESCENT, self._cells(number))
-            here = self._closing_in(descent.z, cells, _AFTER_DESCENT, number)
+            here = self._closing_in(descent.z, cells, _AFTER_DESCENT, number, self._all)
             best, z = min(best, here, key=risk), np.array(here.z)
         return self._plain(best)
 
@@ -150,13 +145,37 @@ class AlarmStarts:
     def _all(self) -> Bool[np.ndarray, " event"]:
         return np.ones(len(self.search.space.events), bool)
 
+    def _near(
+        self,
+        parent: Float[np.ndarray, " free"],
+        reach: float,
+        number: int,
+        draw: tuple[int, ...],
+        among: Bool[np.ndarray, " event"],
+    ) -> Contender:
+        """The best for some of the events of a point near a parent, with cells near the parent's.
+
+        `draw`: which of all such moves it is.
+        """
+        chance, pixels = np.random.default_rng([*self.search.seed, *draw]), list(self.search.space.pixel_indices)
+        moves = reach * chance.standard_normal(len(pixels)) * (chance.random(len(pixels)) < _MOVED)
+        point = parent.copy()
+        point[pixels] = np.clip(parent[pixels] + moves, 0, 1)
+        cells = self._around(parent, 2 * reach, self._cells(number))
+        return self._closing_in(point, cells, reach, number, among)
+
     def _closing_in(
-        self, point: Float[np.ndarray, " free"], cells: Float[np.ndarray, "cell entry"], radius: float, number: int
+        self,
+        point: Float[np.ndarray, " free"],
+        cells: Float[np.ndarray, "cell entry"],
+        radius: float,
+        number: int,
+        among: Bool[np.ndarray, " event"],
     ) -> Contender:
         """The best of these cells on the sums of a point's pixels, and of others ever closer around it."""
         sums = sums_at(self.search.space, point)
-        best, _ = self._best_of(point, sums, cells, self._all)
-        return self._closer(best, sums, radius, number, self._all)
+        best, _ = self._best_of(point, sums, cells, among)
+        return self._closer(best, sums, radius, number, among)
 
     def _closer(
         self, best: Contender, sums: tuple[Sums, ...], radius: float, number: int, among: Bool[np.ndarray, " event"]
@@ -172,8 +191,8 @@ class AlarmStarts:
 
     def _screening(self, plain: Result) -> Screening:
         without = map(Contender.of, plain["without"])
-        by_clip = dict(zip(self.left_out, without, strict=True))
-        return Screening(Contender.of(plain["best"]), by_clip, plain["count"], plain["right"], plain["ends"])
+        by_source = dict(zip(self.left_out, without, strict=True))
+        return Screening(Contender.of(plain["best"]), by_source, plain["count"], plain["right"], plain["ends"])
 
     def _peaks(
         self, point: Float[np.ndarray, " free"], sums: tuple[Sums, ...], cells: Float[np.ndarray, "cell entry"]

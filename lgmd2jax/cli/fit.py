@@ -23,6 +23,7 @@ _DRAWS = "the draws of the posterior"
 def run(options: argparse.Namespace) -> None:
     """Make the fit of this kind of recipe."""
     start = time.monotonic()
+    fit_alarms.check_options(options)
     recipe = load_recipe(options.recipe)
     if isinstance(recipe, AlarmRecipe):
         if options.mechanisms is not None:

@@ -1,31 +1,58 @@
 """`lgmd2jax fit RECIPE` for a recipe of kind "alarms": from labelled clips to a model that a robot runs."""
 
 import argparse
+import importlib.util
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
+import numpy as np
 from tqdm import tqdm
 
 from lgmd2jax._files.folder import check_folder
-from lgmd2jax._network.lgmd2 import LGMD2
-from lgmd2jax._network.parameters import preset
 from lgmd2jax._results.alarm_folder import AlarmFolder
 from lgmd2jax._results.results_folder import MARKER, SEARCH
-from lgmd2jax.alarms import AlarmRecipe, HeldOutScores, LabelledClip, evaluate, load_labels
+from lgmd2jax._results.urgency import add_urgency
+from lgmd2jax.alarms import (
+    AlarmFit,
+    AlarmRecipe,
+    Comparison,
+    Detector,
+    Evaluation,
+    HeldOutScores,
+    LabelledClip,
+    detectors,
+    evaluate,
+    load_labels,
+)
+from lgmd2jax.alarms._detectors import MODEL, TABLE_I, WORDS
 from lgmd2jax.cli.recipe_results import folder_of, kept_work, records, write_stopped
 
 _HELD_OUT = "the scores on clips that the fit did not see"
-_ROBOT_T_SP = 0.65  # Table I's range is .65 on the robot to .78 off line
+_WITHOUT = "Each source of recorded clips, judged by what was fitted without it"
+_TRAINING = 200  # fitted clips on which detectors choose their thresholds
+
+
+def check_options(options: argparse.Namespace) -> None:
+    """Raise `ValueError` for options about clips of one's own that say nothing, or contradict each other."""
+    for name, given in (("--clips-weight", options.clips_weight is not None), ("--clips-only", options.clips_only)):
+        if given and options.clips is None:
+            raise ValueError(f"{name} is given, but no clips of your own; name their file: --clips FILE")
+    if options.clips_only and options.clips_weight is not None:
+        raise ValueError("--clips-only leaves no other clips to weigh against; leave out --clips-weight")
+    if options.clips_weight is not None and not (np.isfinite(options.clips_weight) and options.clips_weight > 0):
+        raise ValueError(f"--clips-weight is {options.clips_weight:g}; give a positive number")
 
 
 def run(options: argparse.Namespace, recipe: AlarmRecipe, start: float) -> None:
     """Make the fit, write its folder, add its scores on held-out clips, and print the report."""
     folder = folder_of(options, recipe.name)
     check_folder(folder, MARKER)
-    clips = recipe.file.load(_bar)
-    if options.clips is not None:
-        clips += _further(options.clips, recipe)
+    # First, so that wrong labels show before the others are rendered.
+    own = () if options.clips is None else _own_clips(options.clips, recipe)
+    clips = own if options.clips_only else (*recipe.file.load(_bar), *own)
+    if own and not options.clips_only:
+        recipe = recipe.weighing(options.clips_weight or recipe.weights.get("recorded", 1))
     digest = recipe.digest(clips)
     with kept_work(folder, digest, options.resume) as memory:
         alarms = sum(len(clip.windows) for clip in clips)
@@ -33,7 +60,7 @@ def run(options: argparse.Namespace, recipe: AlarmRecipe, start: float) -> None:
         if not any(clip.silent for clip in clips):
             print("no clip has a silence: nothing here speaks against a model that always fires", flush=True)
         fit, scores = recipe.run(clips, progress=True, memory=memory), None
-        left = [] if recipe.validation is None else [_HELD_OUT]
+        left = [_HELD_OUT] if recipe.validation is not None or fit.without else []
         notes, provenance = records(recipe, digest, start)
         results = AlarmFolder(fit, folder, recipe.name, notes)
         if fit.stopped:
@@ -41,14 +68,16 @@ def run(options: argparse.Namespace, recipe: AlarmRecipe, start: float) -> None:
             write_stopped(folder, lambda: results.begin([SEARCH, *left], provenance), fit.summary())
         results.begin(left, provenance)
         results.draw(left)
-        if recipe.validation is not None:
-            scores = _held_out_scores(recipe, fit.model)
-            results.add(scores)
-    print(fit.summary(scores))
+        scores, comparisons = _comparisons(recipe, fit, clips)
+        if left:
+            results.add(scores, comparisons)
+        if recipe.within_ms is not None:
+            print(add_urgency(folder, clips, recipe.held_out(), recipe.within_ms))
+    print(fit.summary(scores, comparisons))
     print(f"\nwrote {folder}/ in {time.monotonic() - start:.0f} s; open {folder}/report.html")
 
 
-def _further(path: Path, recipe: AlarmRecipe) -> tuple[LabelledClip, ...]:
+def _own_clips(path: Path, recipe: AlarmRecipe) -> tuple[LabelledClip, ...]:
     """The clips of another file; they may have a size of their own, but parameters belong to a rate and a scale."""
     file, eye = load_labels(path), recipe.file.eye
     for name in ("fps", "degrees_per_pixel"):
@@ -58,13 +87,49 @@ def _further(path: Path, recipe: AlarmRecipe) -> tuple[LabelledClip, ...]:
     return file.load(_bar)
 
 
-def _held_out_scores(recipe: AlarmRecipe, model: LGMD2) -> HeldOutScores:
-    """The fitted model and the paper's, at both ends of its T_sp and with its own N_ts, on clips that no fit saw."""
-    clips = recipe.held_out()
-    models = {"fitted": model}
-    for T_sp in (float(preset("lgmd2").T_sp), _ROBOT_T_SP):
-        models[f"Table I, T_sp {T_sp:g}"] = LGMD2(preset("lgmd2", T_sp=T_sp), eye=model.eye)
-    return HeldOutScores.of({name: evaluate(candidate, clips) for name, candidate in models.items()})
+def _comparisons(
+    recipe: AlarmRecipe, fit: AlarmFit, clips: Sequence[LabelledClip]
+) -> tuple[HeldOutScores | None, dict[str, Comparison]]:
+    """The fitted model beside the paper's and plain detectors: on clips that no fit saw, and source by source.
+
+    Where no silence says how often a detector may alarm, there is no comparison.
+    """
+    scores, comparisons = None, {}
+    if recipe.validation is not None:
+        held_out = recipe.held_out()
+        shown = {MODEL: evaluate(fit.model, held_out), **_others(held_out, fit)}
+        scores = HeldOutScores.of({"fitted": shown[MODEL], **{WORDS[name]: shown[name] for name in TABLE_I}})
+        words, training = _training(fit, clips)
+        if scores.minutes and training[MODEL].silent_minutes:
+            title = f"Clips that the fit did not see: {scores.windows} windows, {scores.minutes:.1f} silent minutes"
+            comparisons[title] = Comparison.of(_detectors(shown), (words, training))
+    recorded = np.array([clip.source is not None for clip in clips])
+    if fit.without and fit.evaluation.among(recorded).silent_minutes:
+        own = Detector(fit.evaluation.among(recorded), fit.without)
+        others = _others([clip for clip in clips if clip.source is not None], fit)
+        comparisons[_WITHOUT] = Comparison.of({MODEL: own, **_detectors(others)})
+    return scores, comparisons
+
+
+def _training(fit: AlarmFit, clips: Sequence[LabelledClip]) -> tuple[str, dict[str, Evaluation]]:
+    """Some of the fitted clips in words, and what each detector does on them: rendered ones, if there are any."""
+    rendered = np.array([clip.source is None for clip in clips])
+    chosen = rendered if rendered.any() else np.ones(len(clips), bool)
+    chosen &= np.cumsum(chosen) <= _TRAINING
+    some = [clip for clip, on in zip(clips, chosen, strict=True) if on]
+    return f"by {len(some)} of the clips that were fitted", {
+        MODEL: fit.evaluation.among(chosen),
+        **_others(some, fit),
+    }
+
+
+def _detectors(evaluations: Mapping[str, Evaluation]) -> dict[str, Detector]:
+    return {name: Detector(evaluation) for name, evaluation in evaluations.items()}
+
+
+def _others(clips: Sequence[LabelledClip], fit: AlarmFit) -> dict[str, Evaluation]:
+    """What the detectors do that the model is compared with; without OpenCV that of the optical flow is left out."""
+    return detectors(clips, fit.model, flow=importlib.util.find_spec("cv2") is not None)
 
 
 def _bar(jobs: Iterable) -> Iterable:

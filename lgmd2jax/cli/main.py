@@ -14,9 +14,38 @@ from types import ModuleType
 
 from lgmd2jax._compute.xla import set_flags
 from lgmd2jax._words import Remark, is_refusal
-from lgmd2jax.cli.options import characterise, compare, export, fit, predict, respond, stimuli, sweep, watch
+from lgmd2jax.cli.options import (
+    calibrate,
+    characterise,
+    compare,
+    export,
+    fit,
+    import_trials,
+    live,
+    looming,
+    predict,
+    respond,
+    stimuli,
+    sweep,
+    watch,
+)
 
-_COMMANDS = (respond, watch, fit, predict, compare, characterise, sweep, stimuli, export)
+_COMMANDS = (
+    respond,
+    live,
+    watch,
+    import_trials,
+    looming,
+    fit,
+    calibrate,
+    predict,
+    compare,
+    characterise,
+    sweep,
+    stimuli,
+    export,
+)
+_MODULES = {"import": "import_trials"}  # of commands whose name is none of a module
 _EXAMPLES = """\
 examples:
   lgmd2jax respond crash.mp4        run the paper's model on a video
@@ -130,7 +159,7 @@ def _loaded(command: str) -> ModuleType:
     import jax
 
     jax.config.update("jax_enable_x64", True)
-    return importlib.import_module(f"lgmd2jax.cli.{command}")
+    return importlib.import_module(f"lgmd2jax.cli.{_MODULES.get(command, command)}")
 
 
 def _explanation(error: BaseException) -> tuple[str, int]:

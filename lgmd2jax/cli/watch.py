@@ -2,19 +2,22 @@
 
 import argparse
 import contextlib
+import json
 import sys
 
 from lgmd2jax._files.atomic import replaced
 from lgmd2jax._handover.named import model_named, with_parameters
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._reports.section import as_text
-from lgmd2jax.alarms import load_labels
-from lgmd2jax.alarms._report import clip_section, write_table
+from lgmd2jax._results.fit_json import plain
+from lgmd2jax.alarms import Comparison, Detector, detectors, evaluate, load_labels
+from lgmd2jax.alarms._detectors import MODEL
+from lgmd2jax.alarms._report import clip_section, comparison_section, write_table
 
 
 def run(options: argparse.Namespace) -> None:
     """Judge the model, print the table, and write what was asked for."""
-    from lgmd2jax._figures.alarms import clips_figure
+    from lgmd2jax._figures.alarms import clips_figure, comparison_figure
     from lgmd2jax._figures.style import check_figure_path
 
     if options.figure:
@@ -29,14 +32,28 @@ def run(options: argparse.Namespace) -> None:
             f"{options.labels} {file.eye.degrees_per_pixel}: at another scale other parameters are right",
             file=sys.stderr,
         )
-    outputs = [path for path in (options.csv, options.figure) if path]
+    outputs = [path for path in (options.csv, options.figure, options.json) if path]
     with contextlib.ExitStack() as stack:
         files = {path: stack.enter_context(replaced(path)) for path in outputs}
-        evaluation = file.evaluate(model)
+        if options.baselines:
+            clips = file.load()
+            evaluations = {MODEL: evaluate(model, clips), **detectors(clips, model)}
+        else:
+            evaluations = {MODEL: file.evaluate(model)}
+        evaluation, comparison = evaluations[MODEL], None
+        if options.baselines or options.json:
+            comparison = Comparison.of({name: Detector(each) for name, each in evaluations.items()})
         if options.csv:
-            write_table(files[options.csv], evaluation.verdicts())
-        if options.figure:
+            write_table(files[options.csv], evaluation)
+        if options.json and comparison is not None:
+            content = {"model": options.model, "labels": options.labels, **plain(comparison.content())}
+            files[options.json].write_text(json.dumps(content, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+        if options.figure and options.baselines and comparison is not None:
+            comparison_figure(files[options.figure], comparison)
+        elif options.figure:
             clips_figure(files[options.figure], evaluation, options.model)
     print(as_text([clip_section(evaluation, {})]))
+    if options.baselines and comparison is not None:
+        print("\n" + as_text([comparison_section("Detectors side by side", comparison)]))
     if outputs:
         print("wrote " + ", ".join(str(path) for path in outputs))

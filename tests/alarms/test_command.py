@@ -12,11 +12,10 @@ from matplotlib.colors import to_rgb
 import lgmd2jax as lgmd
 from lgmd2jax import hard
 from lgmd2jax._figures.alarms import clips_figure
-from lgmd2jax.alarms import Rendering, evaluate, load_labels
+from lgmd2jax.alarms import Rendering, detectors, evaluate, load_labels
 from lgmd2jax.alarms._starts import AlarmStarts
 from lgmd2jax.cli import main
-from lgmd2jax.cli.fit_alarms import _held_out_scores
-from tests.videos import noise, write_video
+from tests.videos import loom, noise, write_video
 
 PROTOCOL = """
 [eye]
@@ -28,6 +27,15 @@ projection = "pinhole"
 [rendered]
 count = 6
 seed = 2
+"""
+OWN = """
+[[clip]]
+file = "own.mkv"
+[[clip]]
+file = "hit.mkv"
+alarm = [[18, 27]]
+contact = 31
+source = "garden"
 """
 RECIPE = """
 protocol = "clips.toml"
@@ -58,7 +66,8 @@ def place(tmp_path_factory):
     (place / "clips.toml").write_text(PROTOCOL)
     (place / "mine.toml").write_text(RECIPE)
     write_video(place / "own.mkv", list(noise(30)))
-    (place / "own.toml").write_text(PROTOCOL.split("[rendered]")[0] + '[[clip]]\nfile = "own.mkv"\n')
+    write_video(place / "hit.mkv", list(loom(30, 40, 28)))
+    (place / "own.toml").write_text(PROTOCOL.split("[rendered]")[0] + OWN)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("lgmd2jax.alarms._decoding.cache_folder", lambda: place / "lgmd2jax")
         assert not main(["fit", str(place / "mine.toml"), "--clips", str(place / "own.toml")])
@@ -87,19 +96,35 @@ def test_the_folder(place):
     assert "Table I, T_sp 0.65" in report
 
 
-def test_the_paper_is_scored_with_its_own_structure(place, monkeypatch):
-    """Eq. 17 of Table I looks back by 4 frames, whatever the recipe's model does."""
-    judged = []
-    monkeypatch.setattr(
-        "lgmd2jax.cli.fit_alarms.evaluate", lambda model, clips: judged.append(model) or evaluate(model, clips)
-    )
+def test_own_clips_are_judged_by_what_was_fitted_without_their_source(place):
+    content = json.loads((place / "mine/fit.json").read_text())
+    assert set(content["left_out"]) == {"own", "hit"}  # no rendered one
+    assert content["recipe"]["weights"]["recorded"] == 1
+    comparison = content["comparisons"]["Each source of recorded clips, judged by what was fitted without it"]
+    assert [clip["source"] for clip in comparison["clips"]] == ["own", "garden"]
+    wrong, model = content["left_out"], comparison["detectors"]["model"]
+    missed, broken = 1 - model["hits"]["count"], [clip["false_alarms"] > 0 for clip in comparison["clips"]]
+    assert [wrong["own"], wrong["hit"]] == [broken[0], missed + broken[1]]
+    report = (place / "mine/report.txt").read_text()
+    assert "Each source of recorded clips" in report
+    for name in ("frame difference", "divergence of flow", "Table I, T_sp 0.78"):
+        assert report.count(name) >= 2 * 3
+
+
+def test_the_paper_is_scored_with_its_own_structure(place):
+    """Eq. 17 of Table I looks back by 4 frames and asks for 6 spikes, whatever the recipe's model does."""
     recipe = lgmd.alarms.load_recipe(place / "mine.toml")
-    fitted = dataclasses.replace(recipe.model, N_ts=6)
-    scores = _held_out_scores(recipe, fitted)
-    assert list(scores.scores) == ["fitted", "Table I, T_sp 0.78", "Table I, T_sp 0.65"]
-    assert [model.N_ts for model in judged] == [6, 4, 4]
-    assert [float(model.parameters.T_sp) for model in judged[1:]] == pytest.approx([0.78, 0.65])
-    assert [float(model.parameters.N_sp) for model in judged[1:]] == [lgmd.preset("lgmd2").N_sp] * 2
+    clips = tuple(Rendering(2, seed=2).clips(recipe.file.eye))
+    judged = detectors(clips, dataclasses.replace(recipe.model, N_ts=6), flow=False)
+    assert list(judged) == ["table1_T_sp_0.78", "table1_T_sp_0.65", "difference"]
+    assert [judged[name].T_sp for name in list(judged)[:2]] == [0.78, 0.65]
+    on = 0
+    for clip, trace in zip(clips, judged["table1_T_sp_0.65"].evidence, strict=True):
+        paper = lgmd.LGMD2(lgmd.preset("lgmd2", T_sp=0.65), eye=recipe.file.eye)
+        collision = np.asarray(paper(clip.frames.astype(np.float32)).collision)
+        np.testing.assert_array_equal(trace >= 0.65, collision > 0)
+        on += collision.sum()
+    assert on > 0
 
 
 def test_the_handed_over_model_alarms_as_the_report_says(place):
@@ -107,7 +132,7 @@ def test_the_handed_over_model_alarms_as_the_report_says(place):
     assert eye is not None
     with open(place / "mine/clips.csv", newline="") as file:
         rows = list(csv.DictReader(file))
-    assert rows.pop()["clip"] == "own"
+    assert [rows.pop()["clip"] for _ in range(2)] == ["hit", "own"]
     for clip, row in zip(Rendering(6, seed=2).clips(eye), rows, strict=True):
         robot = hard.load(place / "mine/model.json")
         on = [bool(robot.step(frame).collision) for frame in clip.frames.astype(float)]
@@ -170,7 +195,7 @@ def test_a_model_is_judged_on_clips_without_a_fit(place, capsys):
     command = ["watch", str(place / "clips.toml"), "--model", model]
     assert not main([*command, "--csv", str(table), "--figure", str(figure)])
     with open(table, newline="") as judged, open(place / "mine/clips.csv", newline="") as fitted:
-        assert list(csv.reader(judged)) == list(csv.reader(fitted))[:-1]  # the last is the own clip
+        assert list(csv.reader(judged)) == list(csv.reader(fitted))[:-2]  # the last are the own clips
     assert "clip" in capsys.readouterr().out
     handed_over = lgmd.load(model)
     assert isinstance(handed_over, lgmd.LGMD2)
@@ -193,6 +218,63 @@ def test_a_model_and_clips_of_another_scale(place, capsys):
     assert "warning" not in capsys.readouterr().err
     assert not main(["watch", str(place / "coarse.toml"), *model])
     assert "warning: the model has degrees_per_pixel = " in capsys.readouterr().err
+
+
+def test_watching_beside_plain_detectors(place, capsys):
+    outputs = {name: place / f"beside.{name}" for name in ("json", "png", "csv")}
+    command = ["watch", str(place / "clips.toml"), "--model", str(place / "mine/model.json"), "--baselines"]
+    options = {"--json": "json", "--figure": "png", "--csv": "csv"}
+    assert not main([*command, *(word for option, name in options.items() for word in (option, str(outputs[name])))])
+    said = capsys.readouterr().out
+    content = json.loads(outputs["json"].read_text())
+    assert list(content["detectors"]) == ["model", "table1_T_sp_0.78", "table1_T_sp_0.65", "difference", "divergence"]
+    assert content["thresholds_from"] in " ".join(said.split())
+    with open(outputs["csv"], newline="") as file:
+        rows = list(csv.DictReader(file))
+    model = content["detectors"]["model"]
+    assert sum(int(row["hits"]) for row in rows) == model["hits"]["count"]
+    assert sum(int(row["false_alarms"]) for row in rows) == model["false_alarms_per_minute"]["count"]
+    assert {float(row["fps"]) for row in rows} >= {30.0}
+    for colour in ("#0072B2", "#D55E00", "#009E73", "#E69F00", "#CC79A7"):
+        pixels = iio.imread(outputs["png"])[..., :3]
+        assert (np.abs(pixels - 255 * np.array(to_rgb(colour))) < 2).all(axis=-1).any()
+
+
+def test_own_clips_alone(place, monkeypatch):
+    """Nothing is rendered, and the labels of one's own clips alone are fitted."""
+
+    def stop(recipe, clips, **settings):
+        assert [clip.name for clip in clips] == ["own", "hit"]
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("lgmd2jax.alarms._decoding.cache_folder", lambda: place / "lgmd2jax")
+    monkeypatch.setattr(lgmd.alarms.AlarmRecipe, "run", stop)
+    monkeypatch.setattr(Rendering, "clips", lambda *_: pytest.fail("rendered"))
+    command = ["fit", str(place / "mine.toml"), "--clips", str(place / "own.toml"), "--clips-only"]
+    assert main([*command, "-o", str(place / "alone")]) == 130
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--clips-only"], "--clips-only is given, but no clips of your own"),
+        (["--clips-weight", "2"], "--clips-weight is given, but no clips of your own"),
+        (["--clips", "own.toml", "--clips-only", "--clips-weight", "2"], "leaves no other clips to weigh against"),
+        (["--clips", "own.toml", "--clips-weight", "-1"], "--clips-weight is -1; give a positive number"),
+    ],
+)
+def test_options_that_say_nothing(place, options, message, capsys):
+    assert main(["fit", str(place / "mine.toml"), *options]) == 1
+    assert message in capsys.readouterr().err
+
+
+def test_wrong_labels_show_before_anything_is_rendered(place, monkeypatch, capsys):
+    wrong = (place / "own.toml").read_text().replace("[18, 27]", "[27, 18]")
+    (place / "wrong.toml").write_text(wrong)
+    monkeypatch.setattr(Rendering, "clips", lambda *_: pytest.fail("rendered"))
+    monkeypatch.setattr("lgmd2jax._video.clip.Clip.record", lambda *_: pytest.fail("decoded"))
+    assert main(["fit", str(place / "mine.toml"), "--clips", str(place / "wrong.toml")]) == 1
+    assert "hit: alarm 27 to 18 is reversed" in capsys.readouterr().err
 
 
 def test_watching_takes_an_lgmd2_and_labels(place, capsys):

@@ -114,6 +114,26 @@ def test_a_choice_without_a_clip_does_not_change_with_its_labels(clips):
     assert chosen[0] != chosen[1]  # the others saw it
 
 
+def test_clips_of_a_source_are_left_out_together_and_rendered_ones_never(clips):
+    settings = {**SETTINGS, "pixel_points": 1, "cell_points": 16, "descend": 0, "generations": 0}
+    sources = ["a", "b", "a", None, *[None] * (len(clips) - 4)]
+    labelled = [dataclasses.replace(clip, source=source) for clip, source in zip(clips, sources, strict=True)]
+    memory = {}
+    result = fit(START, labelled, FREE, **settings, memory=memory)
+    assert list(result.without) == ["a", "b"]
+    assert set(result.left_out) == {clip.name for clip in clips[:3]}
+    without = result.without["a"]
+    assert [clip.name for clip in without.clips] == [clip.name for clip in clips[:3]]
+    # What is chosen without a does not change with what the labels of its clips are.
+    swapped = [
+        dataclasses.replace(clip, windows=clip.silent, silent=clip.windows) if clip.source == "a" else clip
+        for clip in labelled
+    ]
+    again = fit(START, swapped, FREE, **settings)
+    for trace, other in zip(without.evidence, again.without["a"].evidence, strict=True):
+        np.testing.assert_array_equal(trace, other)
+
+
 def test_one_bar_counts_all_tasks(clips, monkeypatch):
     bars = []
 
@@ -181,6 +201,7 @@ def test_the_descents_slope_is_that_of_finite_differences(clips):
         ({"pixel_points": 0}, "pixel_points is 0; give a whole number"),
         ({"descend": -1}, "descend is -1; give a whole number, 0 or more"),
         ({"miss": -1.0}, "miss is -1.0; give a positive weight"),
+        ({"recorded": 0}, "recorded is 0; give a positive weight"),
         ({"model": lgmd.LGMD2(lgmd.preset("lgmd2", N_sp=4.5), eye=EYE)}, "N_sp is 4.5; alarms count whole spikes"),
         ({"free": lgmd.Free(k=(2.0, 3.0))}, "k starts at 1.9, outside of its bounds"),
     ],

@@ -5,6 +5,7 @@ import shutil
 import numpy as np
 import pytest
 
+from lgmd2jax._video.clip import open_clip
 from lgmd2jax._video.remarks import ClipWarning
 from lgmd2jax.alarms import Rendering, _decoding as module, load_labels
 from tests.videos import damaged, noise, write_folder, write_video
@@ -64,6 +65,19 @@ def test_without_a_silence_all_else_is_silent_but_the_beginning_and_the_time_aft
     assert quiet.silent == ((10, 59),)
 
 
+def test_contact_may_lie_beyond_the_end(place):
+    (clip,) = load(place, '[[clip]]\nfile = "crash.mkv"\ncontact = 65\nbefore_ms = [500, 0]\n')
+    assert clip.windows == ((50, 59),)  # contact is at 65 / 30 s, the last frame at 59 / 30
+    assert clip.silent == ((10, 49),)
+    assert clip.contact_ms == pytest.approx(65 / 30 * 1000)
+
+
+def test_source_and_weight(place):
+    text = '[[clip]]\nfile = "crash.mkv"\n'
+    clips = load(place, f'{text}name = "a"\n{text}name = "b"\nsource = "mine"\nweight = 2.5\n[rendered]\ncount = 1\n')
+    assert [(clip.source, clip.weight) for clip in clips] == [("a", 1), ("mine", 2.5), (None, 1)]
+
+
 def test_a_clip_is_decoded_once_and_again_when_it_changes(place, monkeypatch):
     text = '[[clip]]\nfile = "crash.mkv"\n'
     (first,) = load(place, text)
@@ -98,15 +112,24 @@ alarm = [[30, 20]]
 file = "frames"
 fps = 30
 name = "second"
-contact = 12
+silent = [[5, 12]]
 [[clip]]
 file = "frames"
 fps = 30
 name = "third"
 before_ms = [500, 0]
 """
-    with pytest.raises(ValueError, match=r"crash: alarm 30 to 20 is reversed.*second: contact is 12.*third: before_ms"):
+    with pytest.raises(
+        ValueError, match=r"crash: alarm 30 to 20 is reversed.*second: silent 5 to 12 lies outside.*third: before_ms"
+    ):
         load(place, text)
+
+
+def test_labels_beyond_the_end_show_before_decoding_where_the_file_announces_no_count(place, monkeypatch):
+    assert open_clip(place / "crash.mkv").count is None
+    monkeypatch.setattr("lgmd2jax._video.clip.Clip.record", lambda *_: pytest.fail("decoded"))
+    with pytest.raises(ValueError, match="silent 50 to 60 lies outside of the clip, whose frames are 0 to 59"):
+        load(place, '[[clip]]\nfile = "crash.mkv"\nsilent = [[50, 60]]\n')
 
 
 def test_a_cache_that_cannot_be_written_or_is_broken_is_done_without(place):
@@ -164,7 +187,12 @@ def test_the_shipped_file_and_rendered_clips():
         ),
         ('[[clip]]\nfile = "crash.mkv"\nbefore_ms = [500, 0]\n', "before_ms counts from contact, which is not given"),
         ('[[clip]]\nfile = "crash.mkv"\ncontact = 40\nbefore_ms = [0, 500]\n', "give two times before contact"),
-        ('[[clip]]\nfile = "crash.mkv"\ncontact = 61\n', "contact is 61; give a frame of 0 to 59"),
+        (
+            '[[clip]]\nfile = "crash.mkv"\ncontact = 90\nbefore_ms = [500, 0]\n',
+            "the clip ends 1033 ms before contact; give a longer time",
+        ),
+        ('[[clip]]\nfile = "crash.mkv"\nweight = 0\n', r"clip\[0\]\.weight = 0: must be above 0"),
+        ('[[clip]]\nfile = "crash.mkv"\nsource = 3\n', r"clip\[0\]\.source = 3: must be a text"),
         ('[[clip]]\nfile = "crash.mkv"\nalarm = [[1, 2]]\nbefore_ms = [9, 0]\n', "alarm and before_ms are both given"),
         ("[rendered]\ncount = 0\n", r"rendered\.count = 0: must be 1 or more"),
         ('[[clip]]\nfile = "crash.mkv"\nalarm = -1\n', r"clip\[0\]\.alarm = -1: must be a list"),

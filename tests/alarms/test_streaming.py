@@ -16,7 +16,7 @@ ROWS, COLS, COUNT = 32, 48, 70
 LOOM = loom(COUNT, 60, COUNT - 5)
 STAMPS = np.cumsum([0, *[40] * 30, 200, *[40] * 37, 1000])
 MODEL = lgmd.LGMD2(lgmd.preset("lgmd2", T_sp=0.65, k=0.5))
-MECHANISMS = dataclasses.replace(MODEL, mechanisms=("size", "shunt", "lag", "membrane"))
+MECHANISMS = dataclasses.replace(MODEL, mechanisms=("size", "shunt", "lag", "membrane", "rate"))
 LABELS = """
 [eye]
 rows = 8
@@ -51,6 +51,9 @@ def assert_same(file, model=MODEL):
     for trace, other in zip(streamed.evidence, whole.evidence, strict=True):
         assert trace.dtype == other.dtype
         np.testing.assert_array_equal(trace, other)
+    for drive, other in zip(streamed.drives, whole.drives, strict=True):
+        for channel, same in zip(drive, other, strict=True):
+            np.testing.assert_allclose(channel, same, rtol=1e-6)
     assert streamed.T_sp == whole.T_sp
     assert streamed.score() == whole.score()
     assert np.ptp(streamed.evidence[0]) > 0.05  # the model saw the clip

@@ -17,7 +17,7 @@ from lgmd2jax._handover.model_file import document
 ROOT = pathlib.Path(__file__).parents[2]
 EYE = lgmd.Eye(12, 15, 3.0, 50.0)
 ROBOT = lgmd.Eye(72, 99, 0.7, 30.0)
-EVERY = ("size", "shunt", "lag", "membrane")
+EVERY = ("size", "shunt", "lag", "membrane", "rate")
 # Thresholds that no whole grey level meets by chance.
 _CELL = {"N_sp": 4, "T_sp": 0.7, "T_p": 19.31, "T_s": 10.137, "tau1": 23.71}
 MODELS = {
@@ -34,7 +34,7 @@ MODELS = {
         lgmd.Parameters(**_CELL, theta1=0.1, k=2.0, A_ffi=0.5), low_pass="exact", eye=EYE, mechanisms=("size",)
     ),
     "shunt and lag, no window": lgmd.LGMD2(
-        lgmd.Parameters(**_CELL | {"N_sp": 1}, k=2.0, T_ffi=30.0), N_ts=0, eye=EYE, mechanisms=("shunt", "lag")
+        lgmd.Parameters(**_CELL | {"N_sp": 1}, k=2.0, T_ffi=30.0), N_ts=0, eye=EYE, mechanisms=("shunt", "lag", "rate")
     ),
 }
 

@@ -15,7 +15,7 @@ from tests import clips
 from tests.c.programs import EYE, MODELS, files, tool
 
 CLIPS, FRAMES = 2_000, 50
-CHANNELS = hard.Response._fields
+CHANNELS = hard.CHANNELS
 
 
 @functools.cache

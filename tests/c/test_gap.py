@@ -29,7 +29,7 @@ def changed(**changes):
 
     def program(frames, interval):
         response = MODEL(frames, interval=interval)
-        channels = {name: np.array(getattr(response, name)) for name in hard.Response._fields}
+        channels = {name: np.array(getattr(response, name)) for name in hard.CHANNELS}
         if np.array_equal(frames, FILMS[1].frames):
             for name, change in changes.items():
                 channels[name] = change(channels[name])
@@ -65,7 +65,7 @@ def test_an_alarm_that_begins_later_moves_once():
     begins = [np.flatnonzero(np.asarray(own(FILMS[0].frames, EYE.fps).collision)) for own in (early, late)]
     assert begins[0][0] < begins[1][0]
     response = late(FILMS[0].frames, interval=FILMS[0].interval)
-    channels = hard.Response(*(np.asarray(getattr(response, name)) for name in hard.Response._fields))
+    channels = hard.Response(*(np.asarray(getattr(response, name)) for name in hard.CHANNELS))
     assert gaps(early, FILMS[:1], 0.05, lambda rows, cols: lambda frames, interval: channels)["C"].moved_alarms == 1
 
 

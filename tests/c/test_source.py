@@ -32,6 +32,7 @@ TRACES = {
     "shunt": ("powf", "v.gamma"),
     "lag": ("INFINITY", "LGMD2_PAST"),
     "membrane": ("excitation +=", "tau_cell"),
+    "rate": ("REFERENCE_MS / interval_ms",),
     "persistence": ("LGMD2_N_P", "state->oldest"),
     "exact": ("expm1f",),
     "backward_euler": ("(interval + tau)",),
@@ -53,7 +54,7 @@ def test_a_lag_and_a_membrane_of_nothing_need_no_code():
     model = dataclasses.replace(
         MODELS["all mechanisms"], parameters=dataclasses.replace(MODELS["all mechanisms"].parameters, lag=0, tau_cell=0)
     )
-    assert mechanisms_of(model) == ("size", "shunt")
+    assert mechanisms_of(model) == ("size", "shunt", "rate")
     assert "past" not in sources(model, vector("all mechanisms"))["lgmd2.c"]
 
 

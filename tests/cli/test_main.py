@@ -13,10 +13,12 @@ import lgmd2jax as lgmd
 from lgmd2jax._video.clip_files import FORMS
 from lgmd2jax.alarms import load_labels
 from lgmd2jax.cli import export as command, main
-from lgmd2jax.cli.main import _COMMANDS
+from lgmd2jax.cli.main import _COMMANDS, _MODULES
 from lgmd2jax.cli.options import stimuli as stimuli_options
 
-NAMES = [each.__name__.rpartition(".")[2] for each in _COMMANDS]
+_NAMES_OF_MODULES = {module: name for name, module in _MODULES.items()}
+MODULES = [each.__name__.rpartition(".")[2] for each in _COMMANDS]
+NAMES = [_NAMES_OF_MODULES.get(module, module) for module in MODULES]
 
 
 def in_a_process(program):
@@ -40,7 +42,7 @@ assert not {{"jax", "numpy", "tqdm", "matplotlib"}} & set(sys.modules), set(sys.
 
 
 def test_the_module_of_a_command_has_its_name():
-    for name in NAMES:
+    for name in MODULES:
         assert callable(importlib.import_module(f"lgmd2jax.cli.{name}").run)
 
 

@@ -15,7 +15,7 @@ FRAMES = np.round(clips.loom(0, (12, 7, 9))).astype(np.uint8)
 RICH = lgmd.LGMD2(
     lgmd.Parameters(theta1=0.4, k=2.0, T_p=30.0, A_ffi=0.2, lag=21.0, N_sp=3),
     eye=EYE,
-    mechanisms=("size", "shunt", "lag", "membrane"),
+    mechanisms=("size", "shunt", "lag", "membrane", "rate"),
 )
 LGMD1 = lgmd.YueRindLGMD1(lgmd.YueRindParameters(T_de=6.0, k=2.0, alpha_ffi=0.3), N_sp=3, eye=EYE)
 

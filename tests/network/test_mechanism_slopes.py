@@ -14,15 +14,16 @@ from tests.network.test_sensitivity import assert_close, maps_carried, plain
 
 NAMES = list(lgmd.symbols())
 CLIP = jnp.asarray(FRAMES)
+FPS = 24.0  # not that of the reference of change per time
 
 
 def channels(parameters, model):
-    response = dataclasses.replace(model, parameters=parameters)(CLIP, 30.0)
+    response = dataclasses.replace(model, parameters=parameters)(CLIP, FPS)
     return jnp.stack([getattr(response, channel) for channel in oracle.CHANNELS])
 
 
 def in_factors(factors, model):
-    """The channels with each parameter times its factor; a lag of 37 ms is 1.11 frames."""
+    """The channels with each parameter times its factor; a lag of 37 ms is .89 frames."""
     return channels(lgmd.Parameters(**{name: values()[name] * factors[i] for i, name in enumerate(NAMES)}), model)
 
 
@@ -105,5 +106,5 @@ def test_finite_at_the_ends_of_the_domain(form):
         parameters = dataclasses.replace(PARAMETERS, tau_cell=values[0], lag=values[1])
         return channels(parameters, lgmd.LGMD2(thresholds=lgmd.Soft(), low_pass=form, mechanisms=EVERY))
 
-    ends = jnp.array([[0.0, 0.0], [0.0, 1000 / 30]])
+    ends = jnp.array([[0.0, 0.0], [0.0, 1000 / FPS]])
     assert np.all(np.isfinite(jax.jit(jax.vmap(jax.jacfwd(run)))(ends)))

@@ -24,11 +24,12 @@ VALUES: dict[str, Any] = {
 PARAMETERS = lgmd.Parameters(**VALUES)
 FRAMES = clips.patchy(33, (14, 5, 7))
 INTERVALS = np.random.default_rng(1).uniform(15, 60, len(FRAMES))
-EVERY = ("size", "shunt", "lag", "membrane")
+EVERY = ("size", "shunt", "lag", "membrane", "rate")
 COMBINATIONS = [
     (*size, *shunt, *lag)
     for size, shunt, lag in product(((), ("size",)), ((), ("shunt",), ("shunt", "membrane")), ((), ("lag",)))
 ]
+COMBINATIONS += [("rate",), ("size", "rate"), EVERY]
 STRUCTURES = [{"n_p": n_p, "low_pass": form} for n_p in (0, 1) for form in ("backward_euler", "exact")]
 
 
@@ -273,6 +274,7 @@ def test_figures_draw_the_threshold_that_acts_in_its_unit():
     assert (size.levels.ffi, size.levels.inhibited_from) == (pytest.approx(0.09), "A_ffi")
     assert plain.levels.spikes == size.levels.spikes
     assert (plain.channels["ffi"].unit, size.channels["ffi"].unit) == ("grey level", "1")
+    assert "1/30 s" in lgmd.LGMD2(mechanisms=("rate",)).channels["ffi"].label
 
 
 def test_the_share_of_the_field_does_not_depend_on_contrast():
@@ -300,24 +302,49 @@ def test_times_and_shares_stay_at_another_frame_rate():
             assert float(getattr(other.parameters, name)) == VALUES[name], name
 
 
+def test_change_per_time_at_the_rate_of_the_reference_is_that_per_frame():
+    with_it, without = (lgmd.LGMD2(PARAMETERS, mechanisms=mechanisms) for mechanisms in (("rate",), ()))
+    assert_equal(vars(with_it(FRAMES, 30.0)), vars(without(FRAMES, 30.0)), 1e-15)
+
+
+@pytest.mark.parametrize("fps", [10.0, 60.0])
+def test_what_is_compared_with_change_per_time_stays_at_another_rate(fps):
+    """And the cell sees of an edge, however often it is looked at, the same inhibition: its speed times its height."""
+    eye = lgmd.Eye(rows=5, cols=200, degrees_per_pixel=1.0, fps=30.0)
+    model = lgmd.LGMD2(lgmd.Parameters(T_ffi=9.0, k=0.7, tau2=5.0), eye=eye, mechanisms=("rate",))
+    other = lgmd.at_frame_rate(model, fps)
+    kept = {name: float(getattr(other.parameters, name)) for name in ("T_ffi", "k", "T_s", "T_sfa")}
+    assert kept == pytest.approx({"T_ffi": 9.0, "k": 0.7, "T_s": 300 / fps, "T_sfa": 0.03 / fps})
+
+    def edge(fps):
+        """It crosses 60 pixels a second, whole ones in a frame at both rates."""
+        place = 60 / fps * np.arange(round(fps))
+        return np.where(np.arange(200.0) < place[:, None, None], 50.0, np.full((1, 5, 1), 200.0))
+
+    one, many = (float(own(edge(own.eye.fps)).ffi[-1]) for own in (model, other))
+    assert many == pytest.approx(one, rel=1e-6)
+    assert one == pytest.approx(150 * 60 / 200 / 30, rel=1e-6)
+
+
 # Structure
 
 
 @pytest.mark.parametrize(
     ("mechanism", "left"),
     [
-        ("size", ("shunt", "lag", "membrane")),
-        ("shunt", ("size", "lag")),
-        ("lag", ("size", "shunt", "membrane")),
-        ("membrane", ("size", "shunt", "lag")),
+        ("size", ("shunt", "lag", "membrane", "rate")),
+        ("shunt", ("size", "lag", "rate")),
+        ("lag", ("size", "shunt", "membrane", "rate")),
+        ("membrane", ("size", "shunt", "lag", "rate")),
+        ("rate", ("size", "shunt", "lag", "membrane")),
     ],
 )
 def test_ablation_takes_a_mechanism_out(mechanism, left):
     whole = lgmd.LGMD2(PARAMETERS, mechanisms=EVERY)
     without = lgmd.ablate(whole, mechanism)
     assert without.mechanisms == left
-    assert_equal(vars(without(FRAMES, 30.0)), vars(lgmd.LGMD2(PARAMETERS, mechanisms=left)(FRAMES, 30.0)), 1e-15)
-    assert not np.allclose(without(FRAMES, 30.0).smp, whole(FRAMES, 30.0).smp)
+    assert_equal(vars(without(FRAMES, 20.0)), vars(lgmd.LGMD2(PARAMETERS, mechanisms=left)(FRAMES, 20.0)), 1e-15)
+    assert not np.allclose(without(FRAMES, 20.0).smp, whole(FRAMES, 20.0).smp)
 
 
 def test_the_order_of_ablations_does_not_matter():

@@ -11,7 +11,7 @@ import equinox as eqx, jax, numpy as np, lgmd2jax as lgmd
 assert not jax.config.jax_enable_x64
 channels = ("mp", "ffi", "smp", "smp_adapted", "spikes", "collision")
 frames = np.random.default_rng(4).uniform(10, 245, (7, 24, 32)).astype(np.float32)
-every = dict(n_p=1, low_pass="exact", mechanisms=("size", "shunt", "lag", "membrane"))
+every = dict(n_p=1, low_pass="exact", mechanisms=("size", "shunt", "lag", "membrane", "rate"))
 values = lgmd.Parameters(theta1=.4, theta2=1.3, theta3=.02, T_ffi=60, k=40, T_sp=.6, u=.7, T_s=15, T_p=90, A_ffi=.4)
 for network in (
     lgmd.LGMD2(values),

@@ -5,8 +5,9 @@ import pytest
 import tifffile
 
 import lgmd2jax as lgmd
+from lgmd2jax._signals import stretches
 from lgmd2jax._video.clip import open_clip
-from lgmd2jax.alarms import _decoding as module, load_labels, load_recipe
+from lgmd2jax.alarms import _decoding as module, evaluate, load_labels, load_recipe
 from lgmd2jax.alarms._clip_batch import batches_of
 from lgmd2jax.cli.respond import responses
 from tests.videos import conversion, loom, noise, write_folder, write_video
@@ -103,6 +104,10 @@ def assert_same(folder, path, lines=(), **options):
         adapted = np.array([row.smp_adapted for row in rows])
         latest = [adapted[max(0, i - model.N_ts) : i + 1].max() for i in range(len(adapted))]
         np.testing.assert_allclose(evidence, latest, rtol=1e-5)
+    (watched,) = file.evaluate(model).clips
+    np.testing.assert_array_equal(watched.index, [frame.index for frame in frames])
+    np.testing.assert_array_equal(watched.time, [frame.time for frame in frames])
+    np.testing.assert_array_equal(watched.interval, [frame.interval for frame in frames])
     return frames
 
 
@@ -116,6 +121,18 @@ def test_all_see_the_same_frames_at_the_same_times(tmp_path, form):
     if "uneven" in form or "late" in form:
         np.testing.assert_allclose([frame.time for frame in frames], STAMPS, atol=1)
         np.testing.assert_allclose([frame.interval for frame in frames[1:]], np.diff(STAMPS), atol=1.5)
+
+
+@pytest.mark.parametrize("stamps", [None, STAMPS], ids=["even", "uneven"])
+def test_all_raise_the_same_alarms(tmp_path, stamps):
+    """`respond` frame by frame, `watch` in blocks, and a fit on the whole clip."""
+    path = write_video(tmp_path / "c.mkv", LOOM, stamps_ms=stamps)
+    file, model = labelled(tmp_path, path, "silent = [[1, 9]]"), lgmd.LGMD2(lgmd.preset("lgmd2", T_sp=0.55, k=0.3))
+    rows = [row for _, row in responses(model, open_clip(path, resize=12))]
+    alarms = tuple(stretches(np.array([row.collision for row in rows]) > 0))
+    for evaluation in (file.evaluate(model), evaluate(model, load_recipe(tmp_path / "recipe.toml").file.load())):
+        (verdict,) = evaluation.verdicts()
+        assert verdict.alarms == alarms != ()
 
 
 def test_without_repeats_too(tmp_path):

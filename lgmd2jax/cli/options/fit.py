@@ -14,7 +14,12 @@ examples:
   lgmd2jax fit mine.toml --mechanisms size shunt -o with-both
                                       the recipe's fit of a circuit with these mechanisms
   lgmd2jax fit video                  alarms on labelled clips instead of curves: in time, else silence
-  lgmd2jax fit video --clips my.toml  the same with labelled clips of your own beside the rendered ones
+  lgmd2jax fit video --clips my.toml  the same with labelled clips of your own beside the rendered ones; each source
+                                      of yours is also judged by a choice without it, beside plain detectors
+  lgmd2jax fit video --clips my.toml --clips-weight 3
+                                      yours together weigh three times what the rendered ones do
+  lgmd2jax fit video --clips my.toml --clips-only
+                                      yours alone
 
 A recipe is a TOML file:
   protocol = "mine-stimuli.toml"      # stimuli (see lgmd2jax stimuli --help) with their target curves
@@ -55,8 +60,8 @@ def add(commands: argparse._SubParsersAction) -> None:
         "--mechanisms",
         nargs="*",
         metavar="NAME",
-        help="the mechanisms of the circuit instead of the recipe's: of size, shunt, lag, membrane; none for the "
-        "paper's circuit. Parameters that come into play by that are free too",
+        help="the mechanisms of the circuit instead of the recipe's: of size, shunt, lag, membrane, rate; none for "
+        "the paper's circuit. Parameters that come into play by that are free too",
     )
     parser.add_argument(
         "--clips",
@@ -64,3 +69,11 @@ def add(commands: argparse._SubParsersAction) -> None:
         metavar="FILE",
         help="for a recipe of kind 'alarms': labelled clips of your own beside the recipe's, see lgmd2jax watch --help",
     )
+    parser.add_argument(
+        "--clips-weight",
+        type=float,
+        metavar="N",
+        help="what recorded clips weigh together, as a multiple of the rendered ones together (default: the recipe's "
+        "weights.recorded, else 1)",
+    )
+    parser.add_argument("--clips-only", action="store_true", help="fit to the clips of --clips and to no others")

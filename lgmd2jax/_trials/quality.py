@@ -1,0 +1,172 @@
+"""Which recordings show a response to the approach: the rate of each animal and l/|v|, and what falls out."""
+
+import dataclasses
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+from scipy.ndimage import gaussian_filter1d
+
+from lgmd2jax._trials.trial import Trial
+
+_HIGHEST_BASE = 20.0  # spikes/s
+_TIMES_BASE, _ABOVE = 2.0, 20.0  # the peak must exceed so many times the base and so many spikes/s
+_EARLIEST, _MARGIN_MS, _LATEST_MS = 10.0, 50.0, 200.0  # of a peak: in l/|v| and ms before collision, in ms after
+_EDGE = 0.2  # of a trial, at either end, where the base is measured
+_BIN_MS = 1.0
+
+RULE = (
+    f"a session falls out where its base rate, the lower of its mean rates in the first and the last {_EDGE:.0%} of "
+    f"its trials, is {_HIGHEST_BASE:g} spikes/s or more; an l/|v| of an animal where the peak of the mean rate is not "
+    f"above {_TIMES_BASE:g} times the base plus {_ABOVE:g} spikes/s, or is earlier than {_EARLIEST:g} l/|v| + "
+    f"{_MARGIN_MS:g} ms before collision or later than {_LATEST_MS:g} ms after; an animal with fewer than two l/|v| "
+    "left has no line"
+)
+
+
+@dataclasses.dataclass(frozen=True)
+class Excluded:
+    """What is left out of the line of peak times, and why.
+
+    **Arguments:** `l_over_v` in ms; None for all of the animal, or for sessions that the reason names.
+    """
+
+    animal: str
+    reason: str
+    l_over_v: float | None = None
+
+    def __str__(self):
+        speed = "" if self.l_over_v is None else f", l/|v| {self.l_over_v:g} ms"
+        return f"{self.animal}{speed}: {self.reason}"
+
+
+@dataclasses.dataclass(frozen=True)
+class Rates:
+    """Smoothed rates of all trials of an animal at one l/|v|, in spikes/s, where a peak may lie.
+
+    `time` in ms from collision, in steps of 1 ms; `rates` has a row a trial.
+    """
+
+    animal: str
+    l_over_v: float
+    time: Float[np.ndarray, " time"]
+    rates: Float[np.ndarray, "trial time"]
+
+
+def judged(trials: Sequence[Trial], kernel_ms: float) -> tuple[list[Rates], list[Excluded]]:
+    """The rates that pass `RULE`, by animal and l/|v|, and what does not.
+
+    **Raises:** `ValueError` for a trial without a number as `l_over_v`.
+    """
+    with_line, _, excluded = _by_rule(trials, kernel_ms)
+    return [rates for rates, _ in with_line], excluded
+
+
+def accepted(trials: Sequence[Trial], kernel_ms: float) -> tuple[list[Trial], list[Excluded]]:
+    """The trials that a fit can aim at: those of animals with a line or, where none has one, of all that answer.
+
+    **Raises:** as `judged`.
+    """
+    with_line, others, excluded = _by_rule(trials, kernel_ms)
+    if not with_line:
+        alone = {rates.animal for rates, _ in others}
+        excluded = [item for item in excluded if item.l_over_v is not None or item.animal not in alone]
+    return [trial for _, own in with_line or others for trial in own], excluded
+
+
+def noisy(trials: Sequence[Trial]) -> list[Trial]:
+    """The trials whose own base rate is that of noise."""
+    return [trial for trial in trials if base_rate([trial]) >= _HIGHEST_BASE]
+
+
+_Passed = list[tuple[Rates, list[Trial]]]
+
+
+def _by_rule(trials: Sequence[Trial], kernel_ms: float) -> tuple[_Passed, _Passed, list[Excluded]]:
+    """What passes, of animals with two l/|v| or more and of those with one, and what does not."""
+    excluded, left = [], []
+    sessions = list(_groups(trials, lambda trial: (trial.animal, trial.session)))
+    for animal in dict.fromkeys(animal for (animal, _), _ in sessions):
+        noise = {}
+        for (who, session), own in sessions:
+            if who == animal and (base := base_rate(own)) >= _HIGHEST_BASE:
+                noise[session] = base
+            elif who == animal:
+                left += own
+        if noise:
+            excluded.append(Excluded(animal, _told_noise(noise)))
+    passed = []
+    for (animal, speed), own in _groups(left, lambda trial: (trial.animal, l_over_v(trial))):
+        rates, reason = _rates(animal, speed, own, kernel_ms)
+        if reason:
+            excluded.append(Excluded(animal, reason, l_over_v=speed))
+        else:
+            passed.append((rates, own))
+    speeds = Counter(rates.animal for rates, _ in passed)
+    with_line = [(rates, own) for rates, own in passed if speeds[rates.animal] > 1]
+    others = [(rates, own) for rates, own in passed if speeds[rates.animal] == 1]
+    for rates, _ in others:
+        excluded.append(Excluded(rates.animal, f"one l/|v| is left, {rates.l_over_v:g} ms; a line needs two"))
+    return with_line, others, excluded
+
+
+def l_over_v(trial: Trial) -> float:
+    """l/|v| of a trial in ms.
+
+    **Raises:** `ValueError` where its condition has none.
+    """
+    value = trial.condition.get("l_over_v")
+    if not isinstance(value, float):
+        raise ValueError(f"{trial} has no l/|v|; name its column, or give its value in ms, by l_over_v (--l-over-v)")
+    return value
+
+
+def base_rate(trials: Sequence[Trial]) -> float:
+    """The lower of the mean rates, in spikes/s, in the first and in the last part of these trials."""
+    rates = []
+    for from_end in (False, True):
+        count = span = 0.0
+        for trial in trials:
+            edge = _EDGE * (trial.end_ms - trial.start_ms)
+            at = trial.spikes_ms
+            count += np.sum(at >= trial.end_ms - edge if from_end else at < trial.start_ms + edge)
+            span += edge
+        rates.append(1000 * count / span)
+    return float(min(rates))
+
+
+def _rates(animal: str, speed: float, trials: Sequence[Trial], kernel_ms: float) -> tuple[Rates, str]:
+    """The rates where a peak may lie, and what speaks against them."""
+    start, end = max(trial.start_ms for trial in trials), min(trial.end_ms for trial in trials)
+    edges = np.arange(np.ceil(start), np.floor(end) + _BIN_MS / 2, _BIN_MS)
+    counts = np.stack([np.histogram(trial.spikes_ms, edges)[0] for trial in trials])
+    rates = 1000 / _BIN_MS * gaussian_filter1d(counts.astype(float), kernel_ms / _BIN_MS, axis=1, mode="constant")
+    time, mean, base = edges[:-1] + _BIN_MS / 2, rates.mean(axis=0), base_rate(trials)
+    peak, needed = float(mean.max()), _TIMES_BASE * base + _ABOVE
+    earliest = -_EARLIEST * speed - _MARGIN_MS
+    inside = (time >= earliest) & (time <= _LATEST_MS)
+    at = time[mean.argmax()]
+    reason = ""
+    if peak <= needed:
+        reason = f"peak {peak:.1f} spikes/s, not above {needed:.1f} at a base of {base:.1f}"
+    elif not earliest <= at <= _LATEST_MS:
+        reason = f"peak at {at:.0f} ms, not within {earliest:g} to {_LATEST_MS:g} ms from collision"
+    return Rates(animal, speed, time[inside], rates[:, inside]), reason
+
+
+def _told_noise(bases: Mapping[str, float]) -> str:
+    """The base rates of the sessions that fall out."""
+    low, high = f"{min(bases.values()):.1f}", f"{max(bases.values()):.1f}"
+    rates = low if low == high else f"{low} to {high}"
+    where = "" if set(bases) == {""} else f" in session {', '.join(bases)}"
+    return f"base rate {rates} spikes/s{where}, as of noise"
+
+
+def _groups(trials: Sequence[Trial], key: Callable[[Trial], Any]) -> Iterator[tuple[Any, list[Trial]]]:
+    """The trials that share a key, in the order of their keys' first trials."""
+    groups: dict[Any, list[Trial]] = {}
+    for trial in trials:
+        groups.setdefault(key(trial), []).append(trial)
+    yield from groups.items()
