@@ -97,6 +97,7 @@ def _is_tie(content: Any) -> str:
 _RENDERING = {
     "count": (Annotated[Count, Field(ge=1)], ...),
     "seed": Seed,
+    "world": names(["encounters", "films"]),
     "duration_ms": Annotated[Positive, Field(le=1e6)],
     "alarm_below_ms": Positive,
     "silent_above_ms": Positive,

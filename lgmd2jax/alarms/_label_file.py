@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import jax
 import numpy as np
@@ -27,7 +27,7 @@ from lgmd2jax.alarms._decoding import decode
 from lgmd2jax.alarms._evaluation import Evaluation, evaluate
 from lgmd2jax.alarms._reasons import Drive
 from lgmd2jax.alarms._streaming import streamed_evidence
-from lgmd2jax.stimuli import Encounter, encounters
+from lgmd2jax.stimuli import Encounter, encounters, films
 
 _SETTLE = 10  # frames at the beginning of a clip that are not judged: the network comes to rest
 _GRACE_MS = 1000.0  # after contact nothing is judged: the camera jolts
@@ -35,14 +35,16 @@ _GRACE_MS = 1000.0  # after contact nothing is judged: the camera jolts
 
 @dataclasses.dataclass(frozen=True)
 class Rendering:
-    """Which clips to render: how many, from which seed, and how time to contact becomes a label.
+    """Which clips to render: how many, from which seed and world, and how time to contact becomes a label.
 
+    - `world`: `"encounters"`, single objects before a screen, or `"films"`, which have the statistics of real ones.
     - `alarm_below_ms`: an alarm is wanted while contact is nearer than that, on a collision course of a dark object.
     - `silent_above_ms`: silence is wanted while it is further away than that; between the two nothing is judged.
     """
 
     count: int
     seed: int = 0
+    world: Literal["encounters", "films"] = "encounters"
     duration_ms: float | int = 3000.0
     alarm_below_ms: float | int = 1000.0
     silent_above_ms: float | int = 2000.0
@@ -58,11 +60,13 @@ class Rendering:
 
     def clips(self, eye: Eye) -> Iterator[LabelledClip]:
         """Render the clips for an eye, one by one, with their labels."""
-        shown = encounters(eye, jax.random.key(self.seed), self.count, duration_ms=self.duration_ms)
+        world = {"encounters": encounters, "films": films}[self.world]
+        shown = world(eye, jax.random.key(self.seed), self.count, duration_ms=self.duration_ms)
         for number, encounter in enumerate(shown):
-            yield self._labelled(f"{number:03d} {encounter.kind}", encounter)
+            yield self.labelled(f"{number:03d} {encounter.kind}", encounter)
 
-    def _labelled(self, name: str, encounter: Encounter) -> LabelledClip:
+    def labelled(self, name: str, encounter: Encounter) -> LabelledClip:
+        """A rendered clip with its labels."""
         left = np.asarray(encounter.time_to_contact_ms)
         count = len(left)
         judged = np.arange(count) >= _SETTLE
@@ -172,6 +176,7 @@ def load_labels(source: str | Path) -> LabelFile:
     [rendered]                  # clips without end; their label is the time to contact by geometry
     count = 100
     seed = 0
+    world = "films"             # with the statistics of real films; "encounters" are objects before a screen
     alarm_below_ms = 1000
     silent_above_ms = 2000
     ```

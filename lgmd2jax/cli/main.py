@@ -16,6 +16,7 @@ from lgmd2jax._compute.xla import set_flags
 from lgmd2jax._words import Remark, is_refusal
 from lgmd2jax.cli.options import (
     arena,
+    calibrate,
     characterise,
     compare,
     export,
@@ -37,6 +38,7 @@ _COMMANDS = (
     import_trials,
     looming,
     fit,
+    calibrate,
     predict,
     compare,
     characterise,

@@ -4,7 +4,8 @@ Each family is called as `family(eye, *, ...)` and returns a `Stimulus`. Numbers
 vmaps and differentiates; what shapes the result (window, names, number of checks) is plain Python.
 
 `encounters(eye, key, count)` makes random clips from these families, as a camera delivers them: collisions of dark
-objects with the time to contact, and as many clips without one.
+objects with the time to contact, and as many clips without one. `films(eye, key, count)` makes them with the statistics
+of real films: cameras in traffic, on robots and in hands, in a street of three dimensions.
 """
 
 # All at once, since a family is known by name once its module is loaded.
@@ -31,6 +32,7 @@ from lgmd2jax.stimuli._encounter import (
     random_encounter as random_encounter,
 )
 from lgmd2jax.stimuli._family import FAMILIES as FAMILIES
+from lgmd2jax.stimuli._film import FILMS as FILMS, films as films, random_film as random_film
 from lgmd2jax.stimuli._grating import grating as grating
 from lgmd2jax.stimuli._looming import (
     approach_recession as approach_recession,

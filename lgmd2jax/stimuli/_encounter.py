@@ -67,7 +67,7 @@ def random_encounter(eye: Eye, key: Key, *, kind: str | None = None, duration_ms
     """
     if kind is not None:
         one_of("kind", kind, ENCOUNTERS)
-    chance, frames = _chance(key), _frames(eye, duration_ms)
+    chance, frames = chance_of(key), _frames(eye, duration_ms)
     rate = float(chance.choice(_FILM_RATES)) if chance.random() < _CONVERTED else 1.0
     scenario = Scenario(dataclasses.replace(eye, fps=rate * eye.fps), chance, math.ceil(rate * frames - 1e-6))
     # Also where the kind is given, so that the clip is the same as where the kind is random.
@@ -115,7 +115,7 @@ def encounters(eye: Eye, key: Key, count: int, *, duration_ms: float | int = 300
     if not isinstance(count, int) or count < 1:
         raise ValueError(f"count is {count!r}; give a whole number of clips, 1 or more")
     _frames(eye, duration_ms)
-    order = _order(_chance(key))
+    order = _order(chance_of(key))
     kinds = list(itertools.islice(order, count))
     if count % 2 and kinds[-1] == "collision":
         kinds[-1] = next(order)
@@ -132,7 +132,7 @@ def _order(chance: np.random.Generator) -> Iterator[str]:
             yield from map(str, chance.permutation(["collision", silent]))
 
 
-def _chance(key: Key) -> np.random.Generator:
+def chance_of(key: Key) -> np.random.Generator:
     check_key(key)
     return np.random.default_rng(np.asarray(jax.random.key_data(key)))
 

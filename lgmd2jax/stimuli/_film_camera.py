@@ -1,0 +1,64 @@
+"""What a camera and its file make of light: contrast, flicker, noise, H.264, 8 bits, repeated frames."""
+
+import io
+
+import numpy as np
+from jaxtyping import Float, Int, Real, UInt8
+
+from lgmd2jax.stimuli._film_scene import coarse
+from lgmd2jax.stimuli._shot import Shot
+
+_COMPRESSED = 0.5  # of the films
+_CRF = 10, 22  # x264's measure of what it leaves out; on frames so small it leaves out more than from a whole picture
+_CONVERTED = 0.1  # of the films: they keep frames that the conversion to a faster file repeated
+_FILM_BY_FILE = 2 / 3, 4 / 5, 5 / 6  # frame rates
+
+
+def recorded(light: Float[np.ndarray, "time row col"], shot: Shot) -> UInt8[np.ndarray, "time _row _col"]:
+    """The frames in the file, of the light on the finer raster of `draw`.
+
+    What is random is the same at any frame rate, but for the noise.
+
+    **Raises:** `ValueError` without PyAV.
+    """
+    contrast, middle = shot.log(1.2, 2.2), shot.between(80, 110)
+    flicker = shot.log(3e-4, 4e-3) if shot.often(0.5) else 0.0
+    beat = np.sin(2 * np.pi * shot.between(0.5, 12) * shot.time)[:, None, None]
+    noise = shot.log(0.2, 1.5) * np.random.default_rng(shot.chance.integers(2**32)).standard_normal(
+        light.shape, np.float32
+    )
+    frames = _in_8_bits(middle + contrast * (light * (1 + flicker * beat) - middle) + noise)
+    crf, compressed = int(shot.chance.integers(*_CRF)), shot.often(_COMPRESSED)
+    repeats, ratio = shot.often(_CONVERTED), float(shot.chance.choice(_FILM_BY_FILE))
+    if repeats:
+        frames = frames[_sources(len(frames), ratio)]
+    return _in_8_bits(coarse(_as_h264(frames, crf) if compressed else frames))
+
+
+def _in_8_bits(levels: Real[np.ndarray, "time row col"]) -> UInt8[np.ndarray, "time row col"]:
+    return np.round(np.clip(levels, 0, 255)).astype(np.uint8)
+
+
+def _sources(count: int, ratio: float) -> Int[np.ndarray, " time"]:
+    """Which frame each shows that ought to show its own, of a film with so many frames for each of the file's."""
+    return (np.floor(np.arange(count) * ratio) / ratio).astype(int)
+
+
+def _as_h264(frames: UInt8[np.ndarray, "time row col"], crf: int) -> UInt8[np.ndarray, "time row col"]:
+    """The frames encoded and decoded, in memory. One thread: with more of them the bits differ from run to run."""
+    try:
+        import av
+    except ImportError:
+        raise ValueError("rendered films pass through H.264, which needs PyAV: pip install 'lgmd2jax[video]'") from None
+    file = io.BytesIO()
+    with av.open(file, "w", format="matroska") as container:
+        options = {"crf": str(crf), "preset": "veryfast", "threads": "1"}
+        stream = container.add_stream("libx264", rate=30, options=options)
+        stream.height, stream.width = frames.shape[1:]
+        stream.pix_fmt = "yuv420p"
+        for frame in frames:
+            container.mux(stream.encode(av.VideoFrame.from_ndarray(frame, format="gray8")))
+        container.mux(stream.encode(None))
+    file.seek(0)
+    with av.open(file, "r") as written:
+        return np.stack([frame.to_ndarray(format="gray8") for frame in written.decode(video=0)])

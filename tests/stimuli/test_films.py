@@ -1,0 +1,107 @@
+"""Films: the same scene at any frame rate, contact where geometry says, objects as large as they are far."""
+
+import dataclasses
+
+import jax
+import numpy as np
+import pytest
+
+from benchmarks.film_statistics import Measured
+from lgmd2jax import Eye, stimuli
+from lgmd2jax.alarms import LabelledClip, Rendering
+from lgmd2jax.stimuli._film_kinds import COLLISIONS, OTHERS, Thing, _camera, _film, _look
+from lgmd2jax.stimuli._film_scene import coarse, draw
+from lgmd2jax.stimuli._shot import Shot
+
+EYE = Eye(rows=10, cols=18, degrees_per_pixel=4.0, fps=30.0, projection="pinhole")
+LASTS = 1.2  # s
+
+
+def shot(seed: int, fps: float) -> Shot:
+    return Shot(np.random.default_rng(seed), LASTS - np.arange(round(LASTS * fps))[::-1] / fps)
+
+
+@pytest.mark.parametrize("kind", stimuli.FILMS)
+def test_a_scene_is_the_same_at_any_frame_rate(kind):
+    """Every second frame at 30 frames a second is one at 15, until contact changes the speed between two."""
+    slow, fast = ((COLLISIONS | OTHERS)[kind](shot(3, fps)) for fps in (15.0, 30.0))
+    np.testing.assert_allclose(slow.left, fast.left[1::2])
+    few, many = draw(EYE, slow.scene, slow.motion), draw(EYE, fast.scene, fast.motion)[1::2]
+    assert few.std() > 3
+    before = slow.left > 0.1
+    assert np.abs(few - many)[before].mean() < 0.02 * few.std()
+
+
+@pytest.mark.parametrize("kind", COLLISIONS)
+def test_something_comes_ever_nearer_until_contact(kind):
+    film = COLLISIONS[kind](shot(5, 30.0))
+    away = film.motion.ahead[:, 0] - film.motion.camera.ahead
+    assert np.all(np.diff(away[film.left > 0]) < 0)
+    assert 0 < away[-1] < 4
+    assert film.left[-1] == pytest.approx(-0.07)
+    assert all(np.isinf(OTHERS[other](shot(5, 30.0)).left).all() for other in OTHERS)
+
+
+def test_an_object_is_as_large_as_it_is_far():
+    """Half-sides of .5 m at 4 m fill 2 arctan(1/8) of the field, in both directions."""
+    plain = shot(0, 30.0)
+    look = _look(plain, level=2.0, contrast=0.0, underside=1.0, lamps=0.0, shape=30.0)
+    thing = Thing(0.0, 1.0, 4.0, 0.5, 0.5, look)
+    film = _film(plain, _camera(plain, 1.0), [thing], light=1.0, beam=0.0, haze=1e6, sky=200.0, lines=0.0, skyline=2.0)
+    grey = dataclasses.replace(film.scene.ground, level=np.asarray(200, np.float32), contrast=np.asarray(0, np.float32))
+    scene = dataclasses.replace(film.scene, ground=grey, wall=grey, far=grey)
+    light = draw(EYE, scene, film.motion)[0]
+    covered = ((200 - light) / 198).clip(0, 1)
+    side = 2 * 0.5 / 4.0 * EYE.focal_px * 2  # pixels of the finer raster
+    assert covered.sum() == pytest.approx(side**2, rel=0.03)
+    rows, cols = np.nonzero(covered > 0.5)
+    assert (rows.mean(), cols.mean()) == pytest.approx((9.5, 17.5), abs=0.1)
+    assert coarse(light[None]).shape == (1, EYE.rows, EYE.cols)
+
+
+def test_equal_keys_give_equal_films():
+    first, again, other = (stimuli.random_film(EYE, jax.random.key(seed), duration_ms=600) for seed in (1, 1, 2))
+    np.testing.assert_array_equal(first.stimulus.frames, again.stimulus.frames)
+    assert first.kind == again.kind
+    assert first.stimulus.frames.shape != other.stimulus.frames.shape or np.any(
+        np.asarray(first.stimulus.frames != other.stimulus.frames)
+    )
+    levels = np.asarray(first.stimulus.frames)
+    assert np.all((levels == np.round(levels)) & (levels >= 0) & (levels <= 255))
+
+
+def test_half_of_the_films_are_collisions_and_they_are_labelled():
+    clips = list(Rendering(10, 0, world="films", duration_ms=2500).clips(EYE))
+    assert [bool(clip.windows) for clip in clips] == [False, True] * 5
+    assert {clip.name.split(" ", 1)[1] for clip in clips} == set(stimuli.FILMS)
+    assert len({clip.fps for clip in clips}) > 2
+    for clip in clips:
+        if clip.windows:
+            assert 0.9 < clip.interval[clip.in_windows()[0]].sum() / 1000 < 1.2  # 1 s before contact, 70 ms after
+
+
+MISTAKES = {
+    "kind": (lambda: stimuli.random_film(EYE, jax.random.key(0), kind="drives"), "kind is 'drives'; choose 'drive'"),
+    "odd": (lambda: stimuli.random_film(Eye(9, 18, 4.0, 30.0), jax.random.key(0)), "eye has 9 x 18 pixels; films need"),
+    "short": (lambda: stimuli.random_film(EYE, jax.random.key(0), fps=10, duration_ms=150), "time for 2 frames"),
+    "rate": (lambda: stimuli.random_film(EYE, jax.random.key(0), fps=0), "fps is 0"),
+    "count": (lambda: stimuli.films(EYE, jax.random.key(0), 0), "count is 0; give a whole number of films"),
+}
+
+
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_misuse_is_refused(mistake):
+    call, message = MISTAKES[mistake]
+    with pytest.raises(ValueError, match=message):
+        call()
+
+
+def test_the_statistics_know_a_shift_of_the_picture():
+    """A quarter of a pixel a frame, 24 frames a second."""
+    place = np.arange(40.0)
+    waves = np.sin(place[:, None] / 3) + np.sin(place[None] / 4)
+    frames = np.stack([100 + 30 * (np.sin(place[:, None] / 3) + np.sin((place[None] - t / 4) / 4)) for t in range(6)])
+    measured = Measured(LabelledClip.of("drift", frames, 24.0))
+    assert waves.shape == (40, 40)
+    np.testing.assert_allclose(measured.own_motion(), 6.0, rtol=0.03)
+    assert np.all(measured.coarse_share() > 0.9)
