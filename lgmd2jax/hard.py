@@ -62,6 +62,8 @@ MOST_FRAMES = 10000  # of persistence or of a window; more would only fill the m
 REFERENCE_MS = 1000 / 30  # of change per time: MP and F are those of a frame that lasts so long
 TEST_VECTOR = ("fps", "tolerance", "frames", "response")
 CHANNELS = ("mp", "ffi", "smp", "smp_adapted", "spikes", "collision")
+EVIDENCE = ("smp_adapted", "level", "rise", "inhibition")  # of which urgency is a logistic function
+URGENCY = ("within_ms", "tau_ms", "intercept", *EVIDENCE)
 
 
 class Response(NamedTuple):
@@ -70,7 +72,8 @@ class Response(NamedTuple):
     `mp` in grey levels; `ffi` likewise, with size-coding inhibition the share of the field that changed of late;
     `smp` before and `smp_adapted` after adaptation, in [.5, 1); `spikes` 0, 1 or 2; `collision` the alarm.
     `mp_sides` and `f_sides`: the shares of the left, centre and right third of the columns in MP, and in F, which `ffi`
-    follows; they tell where to turn. A hand-over file has no such channels.
+    follows; they tell where to turn. `urgency`: the probability of contact within the time that the hand-over file
+    names, NaN where that has no calibration. A hand-over file has no such channels.
     """
 
     mp: Any
@@ -81,6 +84,7 @@ class Response(NamedTuple):
     collision: Any
     mp_sides: Any = None
     f_sides: Any = None
+    urgency: Any = math.nan
 
     @classmethod
     def over_time(cls, frames: Iterable[Response]) -> Response:
@@ -97,6 +101,7 @@ class HardLGMD2:
     - `fps`: frames per second that the parameters belong to; None if every step is given its interval.
     - `n_p`, `low_pass`, `N_ts`: structure, as in the hand-over file.
     - `mechanisms`: the names of those that the model has; `parameters` then holds theirs too (`MECHANISMS`).
+    - `urgency`: how to tell the probability of contact, a number for each of `URGENCY`; None for not at all.
 
     **Raises:** `ValueError` for parameters that are missing, unknown or out of their domain, and for unknown structure.
     """
@@ -110,6 +115,7 @@ class HardLGMD2:
         low_pass: str = "backward_euler",
         N_ts: int = 4,
         mechanisms: Sequence[str] = (),
+        urgency: Mapping[str, float] | None = None,
     ):
         _check_names(mechanisms)
         domains = dict(DOMAINS)
@@ -118,6 +124,8 @@ class HardLGMD2:
         _check_parameters(parameters, domains)
         _check_structure({"n_p": n_p, "low_pass": low_pass, "N_ts": N_ts})
         _check_rate(fps)
+        _check_urgency(urgency)
+        self.urgency = None if urgency is None else dict(urgency)
         self.parameters = {name: float(parameters[name]) for name in domains}
         self.mechanisms = tuple(mechanisms)
         self.fps, self.n_p, self.low_pass, self.N_ts = fps, n_p, low_pass, N_ts
@@ -181,6 +189,7 @@ class HardLGMD2:
         self._ffi, self._smp, self._smp_adapted, self._excitation = 0.0, 0.5, 0.5, 0.0
         self._past = []  # ms ago, MP, F; the newest first
         self._spikes = [0] * self.N_ts
+        self._level = 0.5
 
     def _pixels(self, frame, interval):
         """Eqs 1-8: the S layer. Eq. 13 by thirds, or how many pixels changed of late: the sums whose mean is F."""
@@ -224,7 +233,21 @@ class HardLGMD2:
         window = [*self._spikes, spikes]
         self._spikes = window[1:]
         alarm = sum(window) >= v["N_sp"]
-        return Response(mp, self._ffi, smp, self._smp_adapted, spikes, alarm, mp_sides, f_sides)
+        urgency = self._contact(smp, interval)
+        return Response(mp, self._ffi, smp, self._smp_adapted, spikes, alarm, mp_sides, f_sides, urgency)
+
+    def _contact(self, smp, interval):
+        """The probability of contact: logistic in U', in U of late and its rise over that, and in the inhibition."""
+        if self.urgency is None:
+            return math.nan
+        self._level += -math.expm1(-interval / self.urgency["tau_ms"]) * (smp - self._level)
+        inhibition = self._ffi / (self._ffi + self._inhibited_from())
+        evidence = (self._smp_adapted - 0.5, self._level - 0.5, smp - self._level, inhibition)
+        weighted = (self.urgency[name] * value for name, value in zip(EVIDENCE, evidence))
+        return _sigmoid(self.urgency["intercept"] + sum(weighted))
+
+    def _inhibited_from(self):
+        return self.parameters["A_ffi" if "size" in self.mechanisms else "T_ffi"]
 
     def _per_time(self, mp, f, interval):
         """MP and F as they would be of a frame of the reference's length. A share of the field is not a change."""
@@ -245,7 +268,7 @@ class HardLGMD2:
     def _potential_behind_inhibition(self, drive, interval):
         """Eq. 12 behind the gate, or the graded shunt with its membrane."""
         v = self.parameters
-        threshold = v["A_ffi"] if "size" in self.mechanisms else v["T_ffi"]
+        threshold = self._inhibited_from()
         if "shunt" not in self.mechanisms:
             return _sigmoid(drive) if self._ffi <= threshold else 0.5
         inhibition = _sigmoid(v["m"] * (math.log(threshold) - math.log(self._ffi + 1e-12)))
@@ -334,6 +357,7 @@ def read(path) -> dict:
                 raise ValueError(f"parameter {name} belongs to a mechanism; give it there")
         _check_tables(content["mechanisms"])
         _check_structure(content["structure"])
+        _check_urgency(content["calibration"].get("urgency"))
         vector = content["test_vector"]
         with np.errstate(all="ignore"):
             prove(_model(content, vector["fps"])(np.array(vector["frames"])), vector)
@@ -346,7 +370,13 @@ def _model(content, fps):
     parameters = dict(content["parameters"])
     for values in content["mechanisms"].values():
         parameters.update(values)
-    return HardLGMD2(parameters, fps, mechanisms=tuple(content["mechanisms"]), **content["structure"])
+    return HardLGMD2(
+        parameters,
+        fps,
+        mechanisms=tuple(content["mechanisms"]),
+        urgency=content["calibration"].get("urgency"),
+        **content["structure"],
+    )
 
 
 def prove(response: Response, vector: Mapping) -> None:
@@ -426,6 +456,16 @@ def _check_structure(structure):
             raise ValueError(f"{name} is {structure[name]!r}; give a whole number of frames, 0 to {MOST_FRAMES}")
     if structure["low_pass"] not in ("backward_euler", "exact"):
         raise ValueError(f"low_pass is {structure['low_pass']!r}; give 'backward_euler' or 'exact'")
+
+
+def _check_urgency(urgency):
+    if urgency is None:
+        return
+    if not isinstance(urgency, Mapping) or set(urgency) != set(URGENCY):
+        raise ValueError(f"urgency is {urgency!r}; give {', '.join(URGENCY)}")
+    for name, value in urgency.items():
+        if not _is_finite(value) or (name.endswith("_ms") and value <= 0):
+            raise ValueError(f"{name} of urgency is {value!r}; give a finite number, of ms a positive one")
 
 
 def _check_eye(eye):

@@ -80,4 +80,4 @@ def test_what_runs_in_every_worker_prints_nothing():
 
 def test_there_is_something_to_test():
     assert len(PROGRAMS) == 6
-    assert len(COMMANDS) == 10
+    assert len(COMMANDS) == 11

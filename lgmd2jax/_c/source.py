@@ -1,22 +1,20 @@
 """The files of a C program, from a model and the templates beside this module."""
 
-import functools
 import math
 from collections.abc import Mapping
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import jinja2
 import numpy as np
 
 from lgmd2jax import hard
 from lgmd2jax._eye import Eye
+from lgmd2jax._files.templates import rendered, templates
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._network.parameter_set import declared
 
 _TEMPLATES = Path(__file__).parent / "templates"
-_SUFFIX = ".jinja"
 
 
 class Constant(NamedTuple):
@@ -41,21 +39,13 @@ def sources(model: LGMD2, vector: Mapping[str, Any]) -> dict[str, str]:
         "test_vector.h": lambda model: _test_vector(vector),
         "Makefile": lambda model: dict(zip(("rows", "cols"), np.shape(vector["frames"])[1:], strict=True)),
     }
-    texts = {name: path.read_text(encoding="utf-8") for name, path in _templates().items()}
-    return texts | {
-        name: _environment().from_string(texts[name]).render(given(model)) for name, given in values.items()
-    }
+    texts = templates(_TEMPLATES)
+    return texts | {name: rendered(texts[name], given(model)) for name, given in values.items()}
 
 
 def file_names() -> tuple[str, ...]:
     """The paths of the files."""
-    return tuple(_templates())
-
-
-def _templates() -> dict[str, Path]:
-    """By the path of the file that each becomes."""
-    paths = sorted(path for path in _TEMPLATES.rglob("*") if path.is_file())
-    return {path.relative_to(_TEMPLATES).as_posix().removesuffix(_SUFFIX): path for path in paths}
+    return tuple(templates(_TEMPLATES))
 
 
 def mechanisms_of(model: LGMD2) -> tuple[str, ...]:
@@ -126,10 +116,3 @@ def _output(values) -> list[str]:
 def _literal(value: float) -> str:
     """A number as C writes it in single precision, as shortly as that allows."""
     return f"{np.float32(value)!s}f"
-
-
-@functools.cache
-def _environment() -> jinja2.Environment:
-    return jinja2.Environment(
-        undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True
-    )

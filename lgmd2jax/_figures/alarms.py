@@ -9,7 +9,7 @@ from matplotlib.patches import Patch
 
 from lgmd2jax._figures.style import BLACK, BLUE, COLOURS, GREEN, GREY, MARKS, VERMILION, drawn
 from lgmd2jax._signals import stretches
-from lgmd2jax.alarms import ClipLabels, Comparison, Evaluation, LabelledClip, Score, Verdict
+from lgmd2jax.alarms import ClipLabels, Comparison, Evaluation, LabelledClip, Reliability, Score, Verdict
 from lgmd2jax.alarms._detectors import WORDS
 from lgmd2jax.alarms._report import headline
 
@@ -151,6 +151,21 @@ def worst_figure(path: str | os.PathLike, watch: Evaluation) -> None:
             axes.set_title(f"{clip.name}: {judgement}, margin {verdict.margin:+.3f}", loc="left", fontsize=8)
             if row == len(rows) - 1:
                 axes.set_xlabel("time (s); green: an alarm is wanted, grey: silence; dashed: T_sp")
+
+
+def reliability_figure(path: str | os.PathLike, found: Reliability, within_ms: float) -> None:
+    """How often contact followed over how likely it was said to be, and how many frames there are of each."""
+    observed = np.array([share[:3] for share in found.observed])
+    errors = np.abs(observed[:, 1:] - observed[:, :1]).T
+    with drawn(path, 8, 3.4) as figure:
+        diagram, counts = figure.subplots(1, 2)
+        diagram.plot([0, 1], [0, 1], color=GREY, linestyle="--", linewidth=1)
+        diagram.errorbar(found.foretold, observed[:, 0], errors, fmt="o-", color=BLUE, capsize=2)
+        diagram.set(xlabel=f"foretold probability of contact within {within_ms:g} ms", ylabel="how often it followed")
+        diagram.set(xlim=(-0.03, 1.03), ylim=(-0.03, 1.03))
+        diagram.set_title(f"Brier score {found.brier.value:.4f}, of the mean {found.brier_of_the_mean:.4f}", fontsize=9)
+        counts.bar(found.foretold, found.frames, width=0.07, color=BLUE)
+        counts.set(xlabel="foretold probability", ylabel="frames", yscale="log", xlim=(-0.05, 1.05))
 
 
 def _by_margin(watch: Evaluation) -> list[tuple[ClipLabels, np.ndarray, Verdict]]:

@@ -41,7 +41,10 @@ def save(model: AbstractNetwork, path: str | os.PathLike, provenance: Mapping[st
 
     **Raises:** `ValueError` for a batch of models and for other provenance, `OSError` where the file cannot be written.
     """
-    content = document(model, provenance)
+    _write(document(model, provenance), path)
+
+
+def _write(content: Mapping[str, Any], path: str | os.PathLike) -> None:
     with replaced(path) as temporary:
         temporary.write_text(_numbers_in_rows(json.dumps(content, indent=2, allow_nan=False)) + "\n", encoding="utf-8")
 
@@ -70,6 +73,33 @@ def document(model: AbstractNetwork, provenance: Mapping[str, Plain] | None = No
         "provenance": {"program": f"lgmd2jax {version('lgmd2jax')}", **_plain(provenance or {})},
         "test_vector": vector,
     }
+
+
+def calibrate(path: str | os.PathLike, name: str, values: Mapping[str, float]) -> None:
+    """Put a calibration into a hand-over file, in the place of one of this name; all else stays as it is.
+
+    **Raises:** as `load`, and for values that the file may not hold.
+    """
+    path = Path(path)
+    content = read_json(path)
+    with within(f"{path} is not a hand-over file that can be used"):
+        check(MODEL_FILE, content)
+        vector = content.pop("test_vector")
+        content |= {"calibration": content.get("calibration", {}) | {name: dict(values)}, "test_vector": vector}
+        check(MODEL_FILE, content)
+    _write(content, path)
+
+
+def calibration_of(path: str | os.PathLike) -> Mapping[str, Any]:
+    """The calibrations in a hand-over file, by name.
+
+    **Raises:** as `load`.
+    """
+    path = Path(path)
+    content = read_json(path)
+    with within(f"{path} is not a hand-over file that can be used"):
+        check(MODEL_FILE, content)
+    return content.get("calibration", {})
 
 
 def load(path: str | os.PathLike, network: type[AbstractNetwork] | None = None) -> Any:

@@ -8,6 +8,7 @@ from typing import Any
 from lgmd2jax._handover.model_file import save
 from lgmd2jax._results.fit_json import plain
 from lgmd2jax._results.results_folder import FIGURES, Documents, ResultsFolder
+from lgmd2jax._results.urgency import URGENCY_FILES
 from lgmd2jax.alarms import AlarmFit, Comparison, HeldOutScores, Score
 from lgmd2jax.alarms._report import write_table
 from lgmd2jax.fitting._search.descent import STOPPED
@@ -57,7 +58,7 @@ class AlarmFolder:
 
     @property
     def _folder(self) -> ResultsFolder:
-        return ResultsFolder(self.path, f"Alarms {self.name}", _FIGURES, ("model.json", "clips.csv"))
+        return ResultsFolder(self.path, f"Alarms {self.name}", _FIGURES, ("model.json", "clips.csv", *URGENCY_FILES))
 
     def _documents(
         self,

@@ -5,6 +5,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, Field, TypeAdapter
 
+from lgmd2jax import hard
 from lgmd2jax._eye import PROJECTIONS
 from lgmd2jax._network.abstract import AbstractNetwork, parameters_of
 from lgmd2jax._network.lgmd2 import LGMD2, MECHANISMS
@@ -12,7 +13,19 @@ from lgmd2jax._network.networks import NETWORKS
 from lgmd2jax._network.parameter_set import Symbol
 from lgmd2jax._network.parameters import symbols
 from lgmd2jax._network.structure import structure_fields
-from lgmd2jax._schemas.parts import Number, Positive, Text, Truth, Whole, either, inside, is_null, names, table
+from lgmd2jax._schemas.parts import (
+    Number,
+    OpenTable,
+    Positive,
+    Text,
+    Truth,
+    Whole,
+    either,
+    inside,
+    is_null,
+    names,
+    table,
+)
 from lgmd2jax._schemas.sections import described, structure_kind
 
 _SIDE = Annotated[Whole, Field(ge=3)]
@@ -58,6 +71,13 @@ def _test_vector() -> type[BaseModel]:
     return table("Test_vector", vector)
 
 
+def _calibration() -> type[BaseModel]:
+    """What is measured of a model, by name; of these the urgency is known here."""
+    kinds = {name: Positive if name.endswith("_ms") else Number for name in hard.URGENCY}
+    urgency = table("Urgency", {name: (kind, ...) for name, kind in kinds.items()})
+    return table("Calibration", {"urgency": urgency}, base=OpenTable)
+
+
 _COMMON: dict[str, Any] = {
     "format": (Literal["lgmd2jax-model"], ...),
     "version": (Literal[2], ...),
@@ -92,7 +112,7 @@ def _forms() -> dict[str, type[BaseModel]]:
         "parameters": (dict[Text, Number], ...),
         "mechanisms": dict[Text, dict[Text, Number]],
         "structure": (dict[Text, Any], ...),
-        "calibration": dict[Text, Any],
+        "calibration": _calibration(),
     }
     forms = {
         "version 1": table("Version_1", _of(LGMD2) | {"version": (Literal[1], ...)}),
@@ -102,7 +122,7 @@ def _forms() -> dict[str, type[BaseModel]]:
         later = {
             "network": (names([name]), ...),
             "mechanisms": _mechanisms() if network is LGMD2 else Annotated[dict[Text, Any], Field(max_length=0)],
-            "calibration": dict[Text, Any],
+            "calibration": _calibration(),
         }
         forms[name] = table(name, _of(network) | later)
     return forms

@@ -86,6 +86,7 @@ _ALARMS: dict[str, Any] = {
     "weights": _WEIGHTS,
     "solver": _ALARM_SOLVER,
     "validation": RENDERING,
+    "urgency": table("Urgency_within", {"within_ms": (Positive, ...)}),
 }
 
 

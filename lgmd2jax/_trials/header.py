@@ -6,23 +6,19 @@ from collections.abc import Mapping, Sequence
 from lgmd2jax._targets.columns import Columns
 from lgmd2jax._targets.units import size_of
 
-# Names in lower case, words joined by "_", without their unit.
-ROLES: Mapping[str, frozenset[str]] = {
-    "animal": frozenset(("animal", "animal_id", "animal_name", "subject", "subject_id", "locust", "specimen", "cell")),
-    "session": frozenset(("session", "session_id", "recording", "experiment", "block", "file")),
-    "trial": frozenset(
-        ("trial", "trial_id", "trial_no", "trial_number", "trial_index", "rep", "repeat", "repetition", "sweep")
-    ),
-    "time": frozenset(("spike", "spikes", "spike_time", "spike_times", "time", "times", "t", "timestamp", "")),
-    "event": frozenset(
-        ("collision", "collision_time", "impact", "impact_time", "contact", "event", "event_time", "tc")
-    ),
-    "l_over_v": frozenset(("l_over_v", "lv", "l_v", "loverv", "lover_v", "l_over_abs_v")),
-    "start": frozenset(("start", "start_time", "begin", "from", "trial_start")),
-    "end": frozenset(("end", "end_time", "stop", "stop_time", "until", "trial_end")),
+# Names in lower case, words joined by "_", without their unit; the likelier before the others.
+ROLES: Mapping[str, tuple[str, ...]] = {
+    "animal": ("animal", "animal_id", "animal_name", "subject", "subject_id", "locust", "specimen", "cell"),
+    "session": ("session", "session_id", "recording", "experiment", "block", "file"),
+    "trial": ("trial", "trial_id", "trial_no", "trial_number", "trial_index", "rep", "repeat", "repetition", "sweep"),
+    "time": ("spike", "spikes", "spike_time", "spike_times", "time", "times", "t", "timestamp", ""),
+    "event": ("collision", "collision_time", "impact", "impact_time", "contact", "event", "event_time", "tc"),
+    "l_over_v": ("l_over_v", "lv", "l_v", "loverv", "lover_v", "l_over_abs_v"),
+    "start": ("start", "start_time", "begin", "from", "trial_start"),
+    "end": ("end", "end_time", "stop", "stop_time", "until", "trial_end"),
 }
 # What tells stimuli apart besides l/|v|.
-CONDITIONS = frozenset(("contrast", "polarity", "background", "stimulus", "condition", "shape", "direction"))
+CONDITIONS = ("contrast", "polarity", "background", "stimulus", "condition", "shape", "direction")
 UNIT_IN_BRACKETS = re.compile(r"\s*[\[(]\s*(\w+)\s*[\])]\s*$")
 _PARTS = {
     "l_over_v": re.compile(
@@ -58,7 +54,7 @@ def label_in(name: str) -> dict[str, str]:
         if (match := pattern.search(rest)) is not None:
             label[key] = match[1].replace("p", ".") if key == "l_over_v" else match[1]
             rest = rest[: match.start()] + " " + rest[match.end() :]
-    words = [word for word in re.split(r"[\s_,;:.()]+", rest) if word]
+    words = [word for word in re.split(r"[\s_,;:.()#]+", rest) if word]
     if "trial" not in label and words and words[-1].isdigit():
         label["trial"] = words.pop()
     if "animal" not in label and words:
@@ -77,6 +73,8 @@ def column_of(role: str, table: Columns, chosen: str | None = None) -> str | Non
         table.text(chosen)
         return chosen
     names = [name for name in table.header if name and split(name)[0] in ROLES[role]]
+    if len(names) > 1 and role in ("animal", "session"):
+        return min(names, key=lambda name: ROLES[role].index(split(name)[0]))
     if len(names) > 1:
         option = f"{role} (--{role.replace('_', '-')})"
         raise ValueError(f"columns {' and '.join(map(repr, names))} may each be the {role}; name one by {option}")

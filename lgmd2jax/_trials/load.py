@@ -24,6 +24,7 @@ _READERS: Mapping[str, Callable[[Path, Reading], tuple[list[Draft], list[str]]]]
     ".mat": drafts_of_matlab,
     ".nwb": drafts_of_nwb,
 }
+_TABLES = ("spikes", "trials")  # files of a folder that belong together, whatever else lies there
 _WITH_COMMA = re.compile(r"[-+]?\d+,\d+(e[-+]?\d+)?", re.IGNORECASE)
 _WITH_POINT = re.compile(r"[-+]?\d*\.\d+(e[-+]?\d+)?", re.IGNORECASE)
 
@@ -113,6 +114,9 @@ def _files(path: Path) -> list[Path]:
     if not path.is_dir():
         return [path]
     files = sorted(file for file in path.iterdir() if file.suffix.lower() in _TEXT and not file.name.startswith("."))
+    named = [file for file in files if file.stem.lower() in _TABLES]
+    if len(named) == len(_TABLES):
+        return named
     if not files:
         raise ValueError(f"{path} holds no file ending in {', '.join(_TEXT)}; name files")
     return files

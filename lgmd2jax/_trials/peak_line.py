@@ -31,8 +31,8 @@ class Interval:
 class PeakTimes:
     """A line of peak times.
 
-    - `alpha`, `delta_ms`: slope and delay of t_c - t_peak = alpha l/|v| - delta. Latencies of display and sound are
-      within delta, which they shift by their sum and with a negative sign: a late screen makes delta larger.
+    - `alpha`, `delta_ms`: slope and delay of t_c - t_peak = alpha l/|v| - delta. A screen or a sound card that is late
+      makes delta larger by its latency, and leaves alpha.
     - `threshold_angle_deg`: 2 atan(1/alpha), the full angle of the object delta before the peak.
     - `r2`: of the line. `trials`: how many it is made of.
     - `peak_ms`: time of the peak from collision, in ms, by l/|v|.
@@ -51,7 +51,7 @@ class PeakTimes:
         return content | {"peak_ms": {f"{speed:g}": peak for speed, peak in self.peak_ms.items()}}
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True, repr=False)
 class LoomingEstimate:
     """The law of peak times for each animal, and for all of them.
 
@@ -68,6 +68,9 @@ class LoomingEstimate:
     resamples: int
     seed: int
     rule: str = RULE
+
+    def __repr__(self):
+        return self.summary()
 
     def plain(self) -> dict[str, Any]:
         """As in a JSON file."""

@@ -6,11 +6,11 @@ from typing import Any
 
 from lgmd2jax._targets.spike_trains import SpikeTrains
 from lgmd2jax._trials.peak_line import LoomingEstimate, estimate
-from lgmd2jax._trials.trial import Condition, Trial, natural
+from lgmd2jax._trials.trial import Condition, Trial, natural, told
 from lgmd2jax._words import nearest
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True, repr=False)
 class Trials:
     """All trials of an experiment, sorted by animal, condition, session and name.
 
@@ -30,6 +30,10 @@ class Trials:
         for before, trial, last in zip(labels, self.trials[1:], labels[1:], strict=False):
             if before == last:
                 raise ValueError(f"{trial} is given twice; leave one out, or number the trials on")
+
+    def __repr__(self):
+        held = "; ".join(told(condition) for condition in self.conditions)
+        return f"{len(self)} trials of {', '.join(self.animals)}: {held or 'one condition'}"
 
     def __len__(self) -> int:
         return len(self.trials)

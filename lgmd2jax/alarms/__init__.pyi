@@ -14,5 +14,7 @@ from ._fit import fit as fit
 from ._label_file import LabelFile as LabelFile, Rendering as Rendering, load_labels as load_labels
 from ._reasons import Drive as Drive, FalseAlarm as FalseAlarm, Miss as Miss
 from ._recipe import AlarmRecipe as AlarmRecipe, load_recipe as load_recipe
+from ._reliability import Reliability as Reliability
 from ._result import AlarmFit as AlarmFit
 from ._starts import AlarmDescent as AlarmDescent
+from ._urgency import Urgency as Urgency, fit_urgency as fit_urgency, load_urgency as load_urgency

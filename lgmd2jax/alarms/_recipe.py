@@ -45,6 +45,11 @@ class AlarmRecipe:
         """Of the search's random points."""
         return self.solver.get("seed", 0)
 
+    @property
+    def within_ms(self) -> float | int | None:
+        """The time of the urgency, None where none is asked for."""
+        return self.table.get("urgency", {}).get("within_ms")
+
     def run(self, clips: Sequence[LabelledClip], progress: bool = False, memory=None) -> AlarmFit:
         """Make the fit."""
         settings = {name: value for name, value in self.solver.items() if name != "seed"}
@@ -87,6 +92,8 @@ def alarm_recipe(path: Path, table: dict[str, Any]) -> AlarmRecipe:
     held_out = Rendering(**table["validation"]) if "validation" in table else None
     if held_out is not None and file.rendered is not None and held_out.seed == file.rendered.seed:
         raise ValueError(f"validation.seed = {held_out.seed}: is that of the clips that are fitted; give another one")
+    if "urgency" in table and held_out is None:
+        raise ValueError("urgency is asked for without [validation]: nothing would say whether it holds; add it")
     return AlarmRecipe(
         name=path.stem,
         model=model_of(table, file.eye),

@@ -1,4 +1,4 @@
-"""`lgmd2jax export MODEL --python DIR | --c DIR`: all that a robot needs, in one folder."""
+"""`lgmd2jax export MODEL --python DIR | --c DIR | --ros DIR`: all that a robot needs, in one folder."""
 
 import argparse
 from pathlib import Path
@@ -21,6 +21,11 @@ def run(options: argparse.Namespace) -> None:
     for name in _ONLY_C:
         if getattr(options, name) is not None:
             raise ValueError(f"--{name.replace('_', '-')} belongs to --c; hard.py takes frames of any size")
+    if options.ros is not None:
+        from lgmd2jax.cli.export_ros import export_ros
+
+        export_ros(options)
+        return
     model, folder = as_lgmd2(model_named(options.model)), options.python
     paths = folder / "model.json", folder / "hard.py"
     _check_place(folder, paths)

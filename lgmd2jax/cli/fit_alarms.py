@@ -12,6 +12,7 @@ from tqdm import tqdm
 from lgmd2jax._files.folder import check_folder
 from lgmd2jax._results.alarm_folder import AlarmFolder
 from lgmd2jax._results.results_folder import MARKER, SEARCH
+from lgmd2jax._results.urgency import add_urgency
 from lgmd2jax.alarms import (
     AlarmFit,
     AlarmRecipe,
@@ -70,6 +71,8 @@ def run(options: argparse.Namespace, recipe: AlarmRecipe, start: float) -> None:
         scores, comparisons = _comparisons(recipe, fit, clips)
         if left:
             results.add(scores, comparisons)
+        if recipe.within_ms is not None:
+            print(add_urgency(folder, clips, recipe.held_out(), recipe.within_ms))
     print(fit.summary(scores, comparisons))
     print(f"\nwrote {folder}/ in {time.monotonic() - start:.0f} s; open {folder}/report.html")
 

@@ -98,7 +98,7 @@ def moments(
         latency = 1000 * (time.monotonic() - arrival.arrived)
         row = Row(arrival.number, now_ms, now.mp, now.ffi, now.smp, now.smp_adapted, now.spikes, int(now.collision))
         frame = Frame(arrival.number, now_ms, interval, pixels, grey, False)
-        yield frame, Moment(row, interval, latency, now.mp_sides, math.nan)
+        yield frame, Moment(row, interval, latency, now.mp_sides, now.urgency)
 
 
 def _interval(before: Arrival, now: Arrival) -> float:

@@ -15,6 +15,7 @@ from types import ModuleType
 from lgmd2jax._compute.xla import set_flags
 from lgmd2jax._words import Remark, is_refusal
 from lgmd2jax.cli.options import (
+    calibrate,
     characterise,
     compare,
     export,
@@ -36,6 +37,7 @@ _COMMANDS = (
     import_trials,
     looming,
     fit,
+    calibrate,
     predict,
     compare,
     characterise,

@@ -81,7 +81,7 @@ def test_a_false_alarm_comes_from_the_part_of_the_field_that_changed():
     assert "of the field, all over" in why(evaluate(far, [whole]).verdicts()[0], 0.55)
 
 
-@pytest.mark.parametrize("mechanisms", [(), ("size",), ("size", "shunt", "lag", "membrane")])
+@pytest.mark.parametrize("mechanisms", [(), ("size", "shunt", "lag", "membrane")])
 def test_uninhibited_is_what_the_network_does_without_inhibition(mechanisms):
     clip = LabelledClip.of("c", loom(0), 30, windows=[(4, 20)])
     model = dataclasses.replace(MODEL, mechanisms=mechanisms)

@@ -167,7 +167,7 @@ WRONG_MECHANISMS = [
     ('math.exp(-interval / v["tau_hold"]) * self._held', '(1 - interval / v["tau_hold"]) * self._held'),
     ("np.where(changed, 1.0, ", "np.where(changed, 1.0 + self._held, "),
     ("_thirds(self._held)", "_thirds(changed)"),
-    ('v["A_ffi"] if "size" in self.mechanisms else v["T_ffi"]', 'v["T_ffi"]'),
+    ('"A_ffi" if "size" in self.mechanisms else "T_ffi"', '"T_ffi"'),
     ('v["m"] * (math.log(threshold)', "(math.log(threshold)"),
     ('(drive + 1e-3) ** v["gamma"]', "drive + 1e-3"),
     ('- 1e-3 ** v["gamma"])', ")"),

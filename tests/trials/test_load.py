@@ -68,3 +68,38 @@ def test_objects_of_neo_give_the_same_trials(made):
 def test_a_trial_without_spikes_is_kept(made):
     (unseen,) = [trial for trial in trials_of(made).where(animal="A") if trial.name == synthesis.UNSEEN]
     assert not unseen.spikes_ms.size
+
+
+def test_a_folder_of_two_tables_may_hold_notes(made, tmp_path):
+    synthesis.write_two_tables(tmp_path / "session", made)
+    (tmp_path / "session" / "notes.txt").write_text("the locust jumped")
+    assert lgmd.load_trials(tmp_path / "session") == trials_of(made)
+
+
+@pytest.mark.parametrize(
+    ("header", "told"),
+    [
+        ("Animal ID;Trial;l/|v| (ms);Spike Times [s]", {}),
+        ("locust\tsweep\tlv\ttimestamp_s", {}),
+        ("subject,rep,loverV_ms,t", {"time_unit": "s"}),
+        ("who,which,speed_ms,when_s", {"animal": "who", "trial": "which", "l_over_v": "speed_ms", "time": "when_s"}),
+        ("animal,cell,trial,lv_ms,spike_s", {}),
+    ],
+)
+def test_columns_are_known_by_many_names(header, told, tmp_path):
+    separator = next(sign for sign in ";\t," if sign in header)
+    cells = ["A", *["7"] * ("cell" in header), "1", "20"]
+    rows = [separator.join([*cells, time]) for time in ("-0.25", "-0.05", "0.1")]
+    (tmp_path / "spikes.csv").write_text("\n".join([header, *rows]))
+    (trial,) = lgmd.load_trials(tmp_path / "spikes.csv", window=WINDOW, **told)
+    assert (trial.animal, trial.name, trial.condition) == ("A", "1", {"l_over_v": 20.0})
+    assert trial.spikes_ms.tolist() == [-250, -50, 100]
+
+
+def test_a_column_a_trial_of_one_animal_needs_no_more_than_its_number(tmp_path):
+    (tmp_path / "G07.txt").write_text("trial 1\ttrial 2\n-0.05\t-0.06\n0.1\t\n")
+    trials = lgmd.load_trials(tmp_path / "G07.txt", time_unit="s", l_over_v=40)
+    assert [(it.animal, it.name, it.condition, it.spikes_ms.tolist()) for it in trials] == [
+        ("G07", "1", {"l_over_v": 40.0}, [-50, 100]),
+        ("G07", "2", {"l_over_v": 40.0}, [-60]),
+    ]

@@ -1,4 +1,4 @@
-"""The arguments of `lgmd2jax export MODEL --python DIR | --c DIR`."""
+"""The arguments of `lgmd2jax export MODEL --python DIR | --c DIR | --ros DIR`."""
 
 import argparse
 from pathlib import Path
@@ -15,6 +15,7 @@ examples:
   lgmd2jax export lgmd2 --c robot --ram 196608  C99 for the model's own eye, if it fits into 192 KB
   lgmd2jax export video --c robot --protocol robot --clip crash.mp4
                                                 and the gap on these stimuli and on a clip of your own
+  lgmd2jax export video --ros lgmd2             a ROS 2 package: images in, alarm and urgency out
 
 With --python the folder needs Python and NumPy, and nothing of lgmd2jax. Whoever loads model.json runs the test clip in
 it first, and refuses the file where the response is not the one that it states.
@@ -31,7 +32,7 @@ def add(commands: argparse._SubParsersAction) -> None:
     parser = commands.add_parser(
         "export",
         help="hand a model over to a robot",
-        description="Write a model with hard thresholds, and the program that runs it, into a folder: NumPy, or C99.",
+        description="Write a model with hard thresholds, and what runs it, into a folder: NumPy, C99 or ROS 2.",
         epilog=_EXAMPLES,
     )
     parser.add_argument("model", metavar="MODEL", help=MODEL_HELP)
@@ -41,6 +42,9 @@ def add(commands: argparse._SubParsersAction) -> None:
     )
     language.add_argument(
         "--c", type=Path, metavar="DIR", help="the folder for model.json and the C; created if missing"
+    )
+    language.add_argument(
+        "--ros", type=Path, metavar="DIR", help="the folder for a ROS 2 package around hard.py; created if missing"
     )
     c = parser.add_argument_group("with --c")
     c.add_argument("--rows", type=int, metavar="N", help="rows of a frame (default: those of the model's eye)")

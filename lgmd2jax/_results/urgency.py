@@ -1,0 +1,48 @@
+"""The urgency of a fitted model: in its hand-over file, with a diagram and the numbers that say whether it holds."""
+
+import dataclasses
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+from lgmd2jax._files.atomic import replaced
+from lgmd2jax._handover.model_file import load
+from lgmd2jax._results.fit_json import plain
+from lgmd2jax.alarms import LabelledClip, Reliability, fit_urgency
+
+URGENCY_FILES = ("urgency.json", "reliability.png")
+
+
+def add_urgency(
+    folder: Path, clips: Sequence[LabelledClip], held_out: Sequence[LabelledClip], within_ms: float | int
+) -> str:
+    """Calibrate the urgency of the model in a folder, and add it.
+
+    **Arguments:** `held_out`: clips that neither the model nor the urgency was fitted on, on which it is judged.
+
+    **Returns:** how well it does, in a few lines.
+    """
+    from lgmd2jax._figures.alarms import reliability_figure  # needs matplotlib
+
+    path = folder / "model.json"
+    model = load(path)
+    urgency = fit_urgency(model, clips, within_ms)
+    found = urgency.reliability(model, held_out)
+    content = {"urgency": dataclasses.asdict(urgency), "held_out": plain(dataclasses.asdict(found))}
+    numbers, diagram = (folder / name for name in URGENCY_FILES)
+    with replaced(numbers) as table, replaced(diagram) as figure:
+        table.write_text(json.dumps(content, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+        reliability_figure(figure, found, urgency.within_ms)
+        urgency.save(path)
+    return _summary(found, within_ms)
+
+
+def _summary(found: Reliability, within_ms: float) -> str:
+    brier, slope, offset = found.brier, found.slope, found.intercept
+    return (
+        f"urgency: contact within {within_ms:g} ms, on {found.frames.sum()} frames of clips that no fit saw\n"
+        f"  Brier score {brier.value:.4f} ({brier.low:.4f} .. {brier.high:.4f}), "
+        f"of a probability that never changes {found.brier_of_the_mean:.4f}\n"
+        f"  log-odds that came true over foretold ones: slope {slope.value:.2f} ({slope.low:.2f} .. {slope.high:.2f}), "
+        f"intercept {offset.value:.2f} ({offset.low:.2f} .. {offset.high:.2f})"
+    )
