@@ -1,5 +1,5 @@
 # The public names. `__init__.py` loads each of them when it is first used.
-from . import alarms as alarms, fitting as fitting, stimuli as stimuli
+from . import alarms as alarms, arena as arena, fitting as fitting, stimuli as stimuli
 from ._characterise import (
     Characterisation as Characterisation,
     Finding as Finding,

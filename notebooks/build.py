@@ -20,7 +20,7 @@ from lgmd2jax._files.atomic import replaced
 
 FOLDER = Path(__file__).parent
 PAPER = ("reproduce_paper", "reproduce_recorded", "reproduce_robot")
-NAMES = ("first_steps", *PAPER, "fit_biology", "your_recordings", "sweep", "mechanism", "deploy")
+NAMES = ("first_steps", *PAPER, "fit_biology", "your_recordings", "sweep", "mechanism", "deploy", "arena")
 LIMIT_S, LIMIT_KB = 600, 300
 
 
