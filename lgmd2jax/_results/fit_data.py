@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 
@@ -70,7 +71,8 @@ def source_of_data(
         pairs = render(_named_conditions(folder, content) if conditions is None else conditions)
         problem = problem_of(fit.model, fit.observation, fit.free, pairs, fit.stats["loss"])
         if difference := difference_of_data("the fit", fit, "what is there now", _compared(fit, pairs)):
-            raise ValueError(f"the data of {folder} have changed since the fit was made: {difference}")
+            cure = "" if jax.config.read("jax_enable_x64") else "; or switch double precision on: jax_enable_x64"
+            raise ValueError(f"the data of {folder} have changed since the fit was made: {difference}{cure}")
         return problem
 
     return data
