@@ -14,8 +14,10 @@ from matplotlib.figure import Figure
 from PIL import Image as Picture
 
 from lgmd2jax import Condition, Fit, LoomingLaw, Stimulus
+from lgmd2jax._figures.arena import trajectories_figure
 from lgmd2jax._figures.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, STYLE, VERMILION
 from lgmd2jax._figures.sweep import surface_figure
+from lgmd2jax.arena import Layout, Trip
 from lgmd2jax.fitting._curve import variance_explained
 from notebooks.paper_claims import Seen
 
@@ -154,6 +156,16 @@ def surface(
         with Picture.open(path) as picture:
             size = 800, round(800 * picture.height / picture.width)
             return _small(picture.convert("RGB").resize(size).quantize(256, Picture.Quantize.FASTOCTREE))
+
+
+def trajectories(layouts: Sequence[Layout], trips: Trip, title: str) -> Image:
+    """The figure that `lgmd2jax arena` draws, for a column."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "ways.png")
+        trajectories_figure(path, layouts, trips, title)
+        with Picture.open(path) as picture:
+            size = 1000, round(1000 * picture.height / picture.width)
+            return _small(picture.convert("RGB").resize(size).quantize(64))
 
 
 @style.context(STYLE)

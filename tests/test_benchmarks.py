@@ -3,14 +3,16 @@
 import itertools
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 import xarray
 
 import lgmd2jax as lgmd
-from benchmarks import _kernels, _peers, threshold_angle
+from benchmarks import _kernels, _peers, threshold_angle, words
 from benchmarks._task import FPS, PARAMETERS, VALUES, Size, film
 from benchmarks._timing import time_together
+from lgmd2jax.fitting._problem import problem_of
 from lgmd2jax.hard import HardLGMD2
 
 FRAMES = film(Size(25, 31), 60)
@@ -123,3 +125,24 @@ def test_the_threshold_angle_of_a_cell_that_obeys_the_law_is_one():
 
 def test_the_largest_share_within_a_window():
     assert threshold_angle.most_within(np.array([[0.0, 10.0], [11.0, 14.9]]), 5.0) == 0.75
+
+
+def test_the_share_of_a_sentence_is_that_of_its_samples_within_the_band():
+    """Two stimuli, one of them shorter; one sentence on both, the other on frames 4 to 8 of the second alone."""
+    stimuli = [lgmd.stimuli.Stimulus(jnp.asarray(FRAMES[:count]), FPS, jnp.arange(count) * 1000 / FPS) for count in (30, 20)]
+    model = lgmd.LGMD2(lgmd.Parameters(**VALUES._asdict()), eye=lgmd.Eye(25, 31, 1.0, FPS))
+    curves = [HardLGMD2(PARAMETERS, FPS)(FRAMES[:count]).smp for count in (30, 20)]
+    both, part = np.concatenate(curves), curves[1][4:9]
+    values = np.unique(both)
+    low, high = values[1:3].mean(), values[-3:-1].mean()  # between two values, so that rounding decides nothing
+    some = 4000 / FPS - 1, 8000 / FPS + 1
+    first = lgmd.Band(low=float(low), high=float(high), channel="smp", quote="both")
+    second = lgmd.Band(segments_ms=[some], low=float(part.max()) + 0.01, high=1.0, channel="smp", quote="part")
+    pairs = [(stimuli[0], [first.on(stimuli[0])]), (stimuli[1], [first.on(stimuli[1]), second.on(stimuli[1])])]
+    problem = problem_of(model, lgmd.Observation(), lgmd.Free(w_bias=None, T_sp=None), pairs, "squares")
+    own = problem.free.place(model.parameters, lgmd.Observation())
+    kept = words.kept_by(problem, words.sentences_of(problem, pairs), own, own[None, list(problem.cell_indices)])
+    expected = np.mean((low <= both) & (both <= high)), 0.0
+    np.testing.assert_allclose(kept.share[0], expected, atol=1e-9)
+    outside = np.maximum(low - both, both - high).max(), part.max() + 0.01 - part.min()
+    np.testing.assert_allclose(kept.farthest[0], outside, atol=1e-6)

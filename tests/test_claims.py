@@ -21,7 +21,6 @@ NOT_HELD = {
     26: ("no dark object at all",),
     28: ("in the response",),
 }
-NOT_YET = (31,)
 QUICK = (*range(1, 6), *range(8, 12))  # the others take ten seconds to a minute each
 HELD_BY_CHOICE = {
     22: "white ball of 215 on 230",
@@ -45,28 +44,19 @@ def test_the_table_says_of_each_claim_what_is_expected_of_it():
     verdicts = re.findall(r"^\| (\d+) \|.*\| ([^|]*) \|$", TABLE.read_text(encoding="utf-8"), re.MULTILINE)
     for number, verdict in verdicts:
         failing = NOT_HELD.get(int(number), ())
-        if int(number) in NOT_YET:
-            assert verdict == "not yet"
-        elif failing:
+        if failing:
             assert verdict == "no" or verdict == f"in part; not: {', '.join(failing)}"
         else:
             assert verdict == "yes", number
 
 
-@pytest.mark.parametrize(
-    "number", [it if it in QUICK else pytest.param(it, marks=pytest.mark.slow) for it in CLAIMS if it not in NOT_YET]
-)
+@pytest.mark.parametrize("number", [it if it in QUICK else pytest.param(it, marks=pytest.mark.slow) for it in CLAIMS])
 def test_what_holds_and_what_does_not(number):
     if number == 32:
         for name in cortex_m4.TOOLS:
             tool(name)
     found = CLAIMS[number].measure()
     assert found.failing == NOT_HELD.get(number, ()), found.measured
-
-
-@pytest.mark.parametrize("number", NOT_YET)
-def test_what_is_not_measured_is_not_called_held(number):
-    assert CLAIMS[number].measure().verdict == "not yet"
 
 
 @pytest.mark.slow

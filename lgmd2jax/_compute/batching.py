@@ -17,3 +17,21 @@ def each(function: Callable[[Any], Any], inputs: Any) -> Any:
     count = len(jax.tree.leaves(inputs)[0])
     abreast = None if jax.default_backend() == "cpu" else min(_ABREAST, count)
     return jax.lax.map(function, inputs, batch_size=abreast)
+
+
+def each_on_all_devices(function: Callable[[Any, Any], Any], shared: Any, inputs: Any) -> Any:
+    """The function of `shared` and of each element of `inputs`, an equal part of them on each device of this process.
+
+    Called while JAX traces. All leaves are arrays; the elements divide evenly among the devices.
+    """
+
+    def one_device(shared, inputs):
+        return each(lambda element: function(shared, element), inputs)
+
+    devices = jax.local_devices()
+    if len(devices) == 1:
+        return one_device(shared, inputs)
+    mesh = jax.make_mesh((len(devices),), ("devices",), axis_types=(jax.sharding.AxisType.Auto,), devices=devices)
+    split = jax.P("devices")
+    spread = jax.shard_map(one_device, mesh=mesh, in_specs=(jax.P(), split), out_specs=split, check_vma=False)
+    return spread(shared, inputs)

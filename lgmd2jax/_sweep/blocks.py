@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array
 
-from lgmd2jax._compute.batching import each
+from lgmd2jax._compute.batching import each_on_all_devices
 from lgmd2jax._sweep.axes import Grid, Setup
 from lgmd2jax._sweep.responses import SUMMARIES, respond
 from lgmd2jax._types import is_concrete
@@ -113,15 +113,6 @@ _traced_once = eqx.filter_jit(respond)  # a plan asks for shapes alone; of anoth
 def _compute(setup: Setup, points: Mapping[str, np.ndarray | Array], channels: tuple[str, ...]) -> dict[str, Array]:
     """The points of a block, one after the other on each device."""
     arrays, static = eqx.partition(setup, eqx.is_array)
-
-    def one_device(arrays, points):
-        setup = eqx.combine(arrays, static)
-        return each(lambda point: respond(setup, channels, point), points)
-
-    if jax.local_device_count() == 1:
-        return one_device(arrays, points)
-    devices = jax.local_devices()
-    mesh = jax.make_mesh((len(devices),), ("devices",), axis_types=(jax.sharding.AxisType.Auto,), devices=devices)
-    split = jax.P("devices")
-    spread = jax.shard_map(one_device, mesh=mesh, in_specs=(jax.P(), split), out_specs=split, check_vma=False)
-    return spread(arrays, points)
+    return each_on_all_devices(
+        lambda arrays, point: respond(eqx.combine(arrays, static), channels, point), arrays, points
+    )

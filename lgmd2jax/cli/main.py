@@ -15,6 +15,7 @@ from types import ModuleType
 from lgmd2jax._compute.xla import set_flags
 from lgmd2jax._words import Remark, is_refusal
 from lgmd2jax.cli.options import (
+    arena,
     calibrate,
     characterise,
     compare,
@@ -43,6 +44,7 @@ _COMMANDS = (
     characterise,
     sweep,
     stimuli,
+    arena,
     export,
 )
 _MODULES = {"import": "import_trials"}  # of commands whose name is none of a module

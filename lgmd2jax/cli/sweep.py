@@ -1,15 +1,13 @@
 """`lgmd2jax sweep RECIPE`: the response over a grid of stimuli, parameters and models."""
 
 import argparse
-import os
 import time
-
-import jax
 
 from lgmd2jax._files.atomic import replaced
 from lgmd2jax._files.folder import check_folder
 from lgmd2jax._recipes.load import load_recipe
 from lgmd2jax._recipes.sweep import SweepRecipe
+from lgmd2jax.cli.all_cores import use_all_cores
 from lgmd2jax.cli.recipe_results import folder_of
 
 _STORE, _FIGURE = "sweep.zarr", "sweep.png"
@@ -18,7 +16,7 @@ _STORE, _FIGURE = "sweep.zarr", "sweep.png"
 def run(options: argparse.Namespace) -> None:
     """Make the sweep on all cores or accelerators, draw it, and name the folder."""
     start = time.monotonic()
-    _use_all_cores()
+    use_all_cores()
     recipe = load_recipe(options.recipe)
     if not isinstance(recipe, SweepRecipe):
         raise ValueError(f"{options.recipe} is the recipe of a fit; run lgmd2jax fit {options.recipe}")
@@ -37,11 +35,3 @@ def run(options: argparse.Namespace) -> None:
             surface_figure(temporary, surface, recipe.value, recipe.index, recipe.thresholds(), recipe.name)
     sizes = " x ".join(f"{size} {name}" for name, size in surface.sizes.items())
     print(f"wrote {folder}/ ({sizes}) in {time.monotonic() - start:.0f} s")
-
-
-def _use_all_cores() -> None:
-    """As many devices as cores, where JAX has not begun to work yet."""
-    try:
-        jax.config.update("jax_num_cpu_devices", os.cpu_count())
-    except RuntimeError:
-        return

@@ -1,0 +1,29 @@
+"""The detectors that are compared, with the settings that were found for them on arenas kept for that."""
+
+from lgmd2jax._files.atomic import read_json
+from lgmd2jax._files.catalogue import folder
+from lgmd2jax._network.abstract import AbstractNetwork
+from lgmd2jax.arena._detectors import AbstractDetector, NetworkDetector, NoDetector
+from lgmd2jax.arena._training import SPACES
+
+SETTINGS = "arena/detectors.json"  # in fits/; `python -m benchmarks.arena --train` writes it
+
+
+def detectors(model: AbstractNetwork | None = None) -> dict[str, AbstractDetector]:
+    """By name: `none`, `table1`, `lgmd2`, `lgmd1` and `difference`.
+
+    They are the paper's model within Table I's ranges, the fitted one, that of Yue & Rind, and a threshold on the mean
+    change of the image.
+    Settings of all of them were chosen by `train`, on arenas of other seeds.
+
+    **Arguments:** `model`: takes the place of the fitted one, as it is.
+
+    **Raises:** `ValueError` for a model whose field of view is not known.
+    """
+    settings = read_json(folder("fits") / SETTINGS)
+    chosen: dict[str, AbstractDetector] = {"none": NoDetector()}
+    for name, space in SPACES.items():
+        chosen[name] = space.detector(settings[name]["settings"])
+    if model is not None:
+        chosen["lgmd2"] = NetworkDetector.of(model)
+    return chosen
