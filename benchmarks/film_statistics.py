@@ -151,8 +151,12 @@ def _print(table: Table) -> None:
             print(f"  {world:10} " + " ".join(f"{value:8.3g}" for value in rows[name]) + verdict)
     if REAL in table:
         for world in (FILMS, ENCOUNTERS):
-            count = sum(agrees(table[world][name], table[REAL][name]) for name in FEATURES)
-            print(f"{world}: the middle half within the spread of real sources in {count} of {len(FEATURES)}")
+            halves = sum(agrees(table[world][name], table[REAL][name]) for name in FEATURES)
+            medians = sum(table[REAL][name][0] <= table[world][name][2] <= table[REAL][name][-1] for name in FEATURES)
+            print(
+                f"{world}: within the 10 to 90 % of real sources lie the median of {medians}, "
+                f"the middle half of {halves}, of {len(FEATURES)} features"
+            )
 
 
 def _draw(path: Path, table: Table) -> None:

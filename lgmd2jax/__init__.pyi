@@ -58,12 +58,19 @@ from ._trials.load import load_trials as load_trials
 from ._trials.peak_line import LoomingEstimate as LoomingEstimate, PeakTimes as PeakTimes
 from ._trials.trial import Trial as Trial
 from ._trials.trials import Trials as Trials
+from ._video.display import save_display_video as save_display_video
 from .fitting import (
+    AnimalFits as AnimalFits,
     Fit as Fit,
     Free as Free,
     Linear as Linear,
     Log as Log,
+    Simulator as Simulator,
     Tie as Tie,
+    as_simulator as as_simulator,
+    discriminating_stimulus as discriminating_stimulus,
     fit as fit,
+    fit_each as fit_each,
+    strongest_stimulus as strongest_stimulus,
 )
 from .stimuli import Stimulus as Stimulus

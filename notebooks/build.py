@@ -20,7 +20,8 @@ from lgmd2jax._files.atomic import replaced
 
 FOLDER = Path(__file__).parent
 PAPER = ("reproduce_paper", "reproduce_recorded", "reproduce_robot")
-NAMES = ("first_steps", *PAPER, "fit_biology", "your_recordings", "sweep", "mechanism", "deploy", "arena")
+AFTER = ("after_the_fit", "telling_stimulus")
+NAMES = ("first_steps", *PAPER, "fit_biology", "your_recordings", *AFTER, "sweep", "mechanism", "deploy", "arena")
 LIMIT_S, LIMIT_KB = 600, 300
 
 

@@ -3,9 +3,11 @@
 import os
 import textwrap
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from lgmd2jax._channels import TARGETS, Channel
@@ -30,41 +32,70 @@ def fit_figure(path: str | os.PathLike, curves: Sequence[Curve], name: str) -> N
     All panels of a channel have the same axis, so that conditions compare. The target is drawn where it counts. A block
     of conditions has rows for the channels that some of them have.
     """
+    with drawn(path, *curves_size(curves)) as figure:
+        draw_curves(figure, curves, name)
+
+
+class _Layout(NamedTuple):
+    """The conditions, how many stand side by side, how wide a panel is, and for each row its block and channel."""
+
+    conditions: list[dict[Channel, Curve]]
+    columns: int
+    panel: float
+    rows: list[tuple[int, Channel]]
+
+    @property
+    def heights(self) -> list[float]:
+        return [_HEIGHTS[channel] for _, channel in self.rows]
+
+
+def _layout(curves: Sequence[Curve]) -> _Layout:
     conditions = _conditions(curves)
-    channels = [channel for channel in TARGETS if any(channel in condition for condition in conditions)]
-    limits = {channel: _limits([curve for curve in curves if curve.channel == channel]) for channel in channels}
+    channels: list[Channel] = [channel for channel in TARGETS if any(channel in condition for condition in conditions)]
     blocks = -(-len(conditions) // _COLUMNS)
     columns = -(-len(conditions) // blocks)
-    rows = [
+    rows: list[tuple[int, Channel]] = [
         (block, channel)
         for block in range(blocks)
         for channel in channels
         if any(channel in condition for condition in conditions[block * columns : (block + 1) * columns])
     ]
-    heights = [_HEIGHTS[channel] for _, channel in rows]
-    panel = min(max(_PAGE / columns, _NARROWEST), _WIDEST)
-    with drawn(path, max(0.7 + panel * columns, 6.5), 1.1 + sum(heights) + 0.4 * len(heights)) as figure:
-        figure.suptitle(_verdict(curves, name))
-        grid = figure.subplots(len(heights), columns, squeeze=False, gridspec_kw={"height_ratios": heights})
-        legend, labelled = {}, set()
-        for i, condition in enumerate(conditions):
-            block, column = divmod(i, columns)
-            panels = [grid[rows.index((block, channel)), column] for channel in condition]
-            for axes, curve in zip(panels, condition.values(), strict=True):
-                _panel(axes, curve, limits[curve.channel])
-                legend |= dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
-                first = (block, curve.channel) not in labelled
-                labelled.add((block, curve.channel))
-                axes.set_ylabel(_axis_label(curve.channel) if first else "")
-                axes.tick_params(labelleft=first, labelbottom=axes is panels[-1])
-            title = textwrap.fill(next(iter(condition.values())).condition, int(_LETTERS * panel))
-            panels[0].set_title(f"{title}\n{panels[0].get_title(loc='left')}", loc="left", fontsize=8)
-            if i + columns >= len(conditions):
-                panels[-1].set_xlabel("time (ms)")
-        for axes in grid.flat:
-            if not axes.has_data():
-                axes.remove()
-        figure.legend(legend.values(), legend.keys(), loc="outside lower center", ncols=len(legend))
+    return _Layout(conditions, columns, min(max(_PAGE / columns, _NARROWEST), _WIDEST), rows)
+
+
+def curves_size(curves: Sequence[Curve]) -> tuple[float, float]:
+    """Width and height of the figure of these curves, in inches."""
+    _, columns, panel, _ = layout = _layout(curves)
+    heights = layout.heights
+    return max(0.7 + panel * columns, 6.5), 1.1 + sum(heights) + 0.4 * len(heights)
+
+
+def draw_curves(figure: Figure, curves: Sequence[Curve], name: str) -> None:
+    """The panels of `fit_figure` on an empty figure."""
+    conditions, columns, panel, rows = layout = _layout(curves)
+    limits = {channel: _limits([curve for curve in curves if curve.channel == channel]) for _, channel in rows}
+    heights = layout.heights
+    figure.suptitle(_verdict(curves, name))
+    grid = figure.subplots(len(heights), columns, squeeze=False, gridspec_kw={"height_ratios": heights})
+    legend, labelled = {}, set()
+    for i, condition in enumerate(conditions):
+        block, column = divmod(i, columns)
+        panels = [grid[rows.index((block, channel)), column] for channel in condition]
+        for axes, curve in zip(panels, condition.values(), strict=True):
+            _panel(axes, curve, limits[curve.channel])
+            legend |= dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
+            first = (block, curve.channel) not in labelled
+            labelled.add((block, curve.channel))
+            axes.set_ylabel(_axis_label(curve.channel) if first else "")
+            axes.tick_params(labelleft=first, labelbottom=axes is panels[-1])
+        title = textwrap.fill(next(iter(condition.values())).condition, int(_LETTERS * panel))
+        panels[0].set_title(f"{title}\n{panels[0].get_title(loc='left')}", loc="left", fontsize=8)
+        if i + columns >= len(conditions):
+            panels[-1].set_xlabel("time (ms)")
+    for axes in grid.flat:
+        if not axes.has_data():
+            axes.remove()
+    figure.legend(legend.values(), legend.keys(), loc="outside lower center", ncols=len(legend))
 
 
 def _axis_label(channel: Channel) -> str:
@@ -72,7 +103,7 @@ def _axis_label(channel: Channel) -> str:
     return f"{described.label} ({described.unit})" if channel == "rate" else described.label
 
 
-def _conditions(curves: Sequence[Curve]) -> list[dict[str, Curve]]:
+def _conditions(curves: Sequence[Curve]) -> list[dict[Channel, Curve]]:
     """The curves of each condition by channel. A channel that comes again begins a new one, for names may repeat."""
     conditions, name = [], None
     for curve in curves:

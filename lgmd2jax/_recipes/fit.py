@@ -13,14 +13,16 @@ import numpy as np
 
 from lgmd2jax._characterise import characterise
 from lgmd2jax._compute.finished_work import Memory, MemoryPart
-from lgmd2jax._files.catalogue import beside
+from lgmd2jax._files.catalogue import beside, locate
 from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._network.parameters import symbols
+from lgmd2jax._protocol.condition import Condition
 from lgmd2jax._protocol.protocol import load_protocol
 from lgmd2jax._targets.observation import Observation
 from lgmd2jax._words import nearest, within
 from lgmd2jax.fitting import Fit, Free, Profile, Supplement, fit
+from lgmd2jax.fitting._animals import conditions_by_animal
 from lgmd2jax.fitting._conditions import Rendered, render
 from lgmd2jax.fitting._law_fit import check_approaches, compare_with_law
 from lgmd2jax.fitting._search.descent import STOPPED
@@ -34,6 +36,7 @@ Part = Callable[[Supplement], Supplement]  # adds what it computes
 class Recipe:
     """A fit to be made: the model, what is free, and the conditions with their targets.
 
+    - `protocol`: the file of the conditions. `pairs`: these, rendered.
     - `profile`: parameters whose interval is also found by profile likelihood.
     - `samples`: how many draws of the posterior to take; 0 for none.
     - `leave_one_out`: whether to fit anew without each condition, or each `"family"` of them, and to predict it.
@@ -41,9 +44,12 @@ class Recipe:
     - `truth`: the values that are known to be right, of a twin.
     - `properties`: whether to hand over, of the candidates, the one that holds most of the 22 response properties.
     - `families`: of the conditions. `table`: the file's content.
+    - `animals`: by name the conditions of each, by their numbers, where each animal is to have a fit of its own.
+      `animal`: whose recipe this is, of such a fit.
     """
 
     name: str
+    protocol: Path
     model: AbstractNetwork
     observation: Observation
     free: Free
@@ -58,6 +64,8 @@ class Recipe:
     properties: bool
     families: tuple[str, ...]
     table: Mapping[str, Any]
+    animals: Mapping[str, Mapping[int, Rendered]] = dataclasses.field(default_factory=dict)
+    animal: str = ""
 
     @property
     def seed(self) -> int:
@@ -80,6 +88,20 @@ class Recipe:
             **settings,
         )
 
+    def each(self) -> dict[str, "Recipe"]:
+        """The recipe of each animal, where the file asks for one fit an animal; else none."""
+        return {
+            animal: dataclasses.replace(
+                self,
+                name=f"{self.name}, {animal}",
+                pairs=tuple(conditions.values()),
+                families=tuple(self.families[number] for number in conditions),
+                animals={},
+                animal=animal,
+            )
+            for animal, conditions in self.animals.items()
+        }
+
     def predict_each(self, progress: bool = False) -> dict[str, float]:
         """R2 of each condition by a fit to the others, or to those of other families.
 
@@ -88,11 +110,12 @@ class Recipe:
         return leave_one_out(lambda pairs: self._predictor(pairs, progress, None), self.pairs, self._groups)
 
     def further(self, fit: Fit, memory: Memory, progress: bool = False) -> dict[str, Part]:
-        """What the recipe asks for beside the fit, by a few words: each adds its part to a supplement.
+        """What belongs to the results beside the fit, by a few words: each adds its part to a supplement.
 
         **Arguments:** `memory`: of finished work, so that what was stopped goes on from there.
         """
         parts: dict[str, Part] = {}
+        parts["the score test"] = partial(self._with_scores, fit)
         if self.looming_law:
             parts["the looming law"] = partial(self._with_law, fit)
         for name in self.profile:
@@ -109,6 +132,9 @@ class Recipe:
         if self.leave_one_out == "family":
             return self.families
         return tuple(stimulus.name for stimulus, _ in self.pairs)
+
+    def _with_scores(self, fit: Fit, extra: Supplement) -> Supplement:
+        return dataclasses.replace(extra, scores=fit.score_test())
 
     def _with_law(self, fit: Fit, extra: Supplement) -> Supplement:
         law = compare_with_law(self.pairs, fit.curves, smoothing=float(fit.observation.smoothing))
@@ -159,6 +185,7 @@ class Recipe:
             for target in targets:
                 digest.update(target.channel.encode() + np.asarray([target.values, target.scale]).tobytes())
                 digest.update(b"" if target.upper is None else target.upper.tobytes())
+                digest.update(b"" if target.exposure is None else target.exposure.tobytes())
         return digest.hexdigest()
 
 
@@ -181,12 +208,14 @@ def fit_recipe(path: Path, table: dict[str, Any]) -> Recipe:
     protocol = load_protocol(source := beside(path, table["protocol"]))
     with within(str(source)):
         pairs = tuple(render(protocol.conditions))
+        animals = _animals(protocol.conditions) if "by" in table else {}
     if validation.get("looming_law", False):
         check_approaches(pairs)
     if validation.get("leave_one_out", False):
         check_no_bands(pairs)
     return Recipe(
         name=path.stem,
+        protocol=locate(source, "stimuli"),
         model=network_of(table, protocol.conditions[0].eye),
         observation=Observation(**table.get("observation", {})),
         free=free,
@@ -201,4 +230,13 @@ def fit_recipe(path: Path, table: dict[str, Any]) -> Recipe:
         properties=table.get("choice", {}).get("properties", False),
         families=tuple(condition.family for condition in protocol.conditions),
         table=table,
+        animals=animals,
     )
+
+
+def _animals(conditions: Sequence[Condition]) -> dict[str, dict[int, Rendered]]:
+    """The conditions of each animal by their numbers, rendered."""
+    return {
+        animal: dict(zip((number for number, _ in pairs), render([pair for _, pair in pairs]), strict=True))
+        for animal, pairs in conditions_by_animal(conditions).items()
+    }

@@ -67,6 +67,7 @@ def write_json(path: Path, comparison: Comparison) -> None:
     content = {
         "samples": comparison.samples,
         "without_criteria": comparison.without_criteria,
+        "alike": comparison.alike,
         "fits": {name: _content(comparison, i) for i, name in enumerate(comparison.names)},
     }
     path.write_text(json.dumps(plain(content), indent=1, allow_nan=False) + "\n", encoding="utf-8")

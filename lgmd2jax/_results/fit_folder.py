@@ -3,7 +3,7 @@
 import csv
 import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ from lgmd2jax._files.atomic import read_json
 from lgmd2jax._files.catalogue import locate
 from lgmd2jax._files.lock import locked
 from lgmd2jax._handover.model_file import load, save
+from lgmd2jax._results.fit_data import DATA, entry_of, holds, source_of_data, write_data
 from lgmd2jax._results.fit_json import content_of, fit_of, plain
 from lgmd2jax._results.posterior_nc import write_posterior
 from lgmd2jax._results.results_folder import FIGURES, MARKER, Documents, ResultsFolder, warn_if_unfinished
@@ -22,12 +23,15 @@ from lgmd2jax._schemas.fit import FIT, ROWS
 from lgmd2jax._targets.observation import Observation
 from lgmd2jax._words import warn_renamed, within
 from lgmd2jax.fitting import Curve, Fit, Posterior, Supplement
+from lgmd2jax.fitting._conditions import AnyCondition
 from lgmd2jax.fitting._curve import rest_of
+from lgmd2jax.fitting._problem import Problem
 
 _FIGURES = ("fit.png", "diagnostics.png")
 _POSTERIOR = "posterior.nc"
-_FILES = ("model.json", "curves.csv", _POSTERIOR)
+_FILES = ("model.json", "curves.csv", DATA, _POSTERIOR)
 _STATISTICS = ("energy", "diverging", "acceptance_rate", "tree_depth")
+_FURTHER = ("upper", "exposure")  # columns that only some curves have
 _COLUMNS = ("target", "sem", "weight", "soft", "hard", "band", "error")
 
 
@@ -81,6 +85,8 @@ class FitFolder:
         def write(folder: Path) -> None:
             save(self.fit.model, folder / "model.json", provenance=provenance)
             _write_curves(folder / "curves.csv", self.fit.curves)
+            if self._held is not None:
+                write_data(folder / DATA, self._held)
             if draws is not None:
                 self._write_draws(folder, draws)
 
@@ -109,8 +115,15 @@ class FitFolder:
     def _folder(self) -> ResultsFolder:
         return ResultsFolder(self.path, f"Fit {self.name}", _FIGURES, _FILES)
 
+    @property
+    def _held(self) -> Problem | None:
+        """The data that the folder is to hold: those that the notes do not name."""
+        return self.fit.problem if "data" not in self.notes and holds(self.fit.problem) else None
+
     def _documents(self, extra: Supplement) -> Documents:
         content = {"name": self.name} | content_of(self.fit, extra) | plain(dict(self.notes))
+        if self._held is not None:
+            content["data"] = entry_of(self._held)
         return Documents(content, self.fit.sections(extra))
 
     def _write_draws(self, folder: Path, draws: Posterior) -> None:
@@ -119,19 +132,24 @@ class FitFolder:
         write_posterior(folder / _POSTERIOR, self.fit.values_of(draws), units, statistics)
 
 
-def load_fit(folder: str | Path) -> Fit:
+def load_fit(folder: str | Path, conditions: Sequence[AnyCondition] | None = None) -> Fit:
     """The fit of a result folder or of its fit.json, or of a shipped one by its bare name.
 
-    It predicts; it does not hold the targets.
+    It predicts, compares and plots by itself. What needs stimuli and targets, as profiles and draws do, takes those
+    that the folder holds, or renders the protocol that it names, and refuses where they are not those of the fit.
+
+    **Arguments:** `conditions`: in their place, as for `fit`; they must be the same.
 
     An `UnfinishedWarning` says what is still to come of a fit that was stopped.
 
     **Raises:** `ValueError` for a folder that holds no fit, `FileNotFoundError` where there is none.
     """
-    return load_validated_fit(folder)[0]
+    return load_validated_fit(folder, conditions)[0]
 
 
-def load_validated_fit(folder: str | Path) -> tuple[Fit, dict[str, float]]:
+def load_validated_fit(
+    folder: str | Path, conditions: Sequence[AnyCondition] | None = None
+) -> tuple[Fit, dict[str, float]]:
     """The fit of `load_fit`, and R2 of each condition that was left out, predicted by a fit to others; {} for none."""
     folder = fit_folder(folder)
     content = read_json(folder / MARKER)
@@ -141,6 +159,7 @@ def load_validated_fit(folder: str | Path) -> tuple[Fit, dict[str, float]]:
         with within("curves.csv"):
             curves = _read_curves(folder / "curves.csv", Observation(**content["observation"]))
         fit = fit_of(content, load(folder / "model.json"), curves)
+        fit = dataclasses.replace(fit, data=source_of_data(folder, content, conditions))
     warn_if_unfinished(folder, content.get("unfinished", ()))  # an earlier version did not write it
     return fit, {name: math.nan if r2 is None else r2 for name, r2 in content["leave_one_out_r2"].items()}
 
@@ -163,12 +182,13 @@ def fit_folder(folder: str | Path) -> Path:
 def _write_curves(path: Path, curves: tuple[Curve, ...]) -> None:
     with open(path, "w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
-        bands = ["upper"] if any(curve.is_band for curve in curves) else []
-        writer.writerow(["condition", "channel", "time_ms", *_COLUMNS, *bands])
+        further = [name for name in _FURTHER if any(getattr(curve, name) is not None for curve in curves)]
+        writer.writerow(["condition", "channel", "time_ms", *_COLUMNS, *further])
         for curve in curves:
             columns = [getattr(curve, name) for name in _COLUMNS]
-            if bands:
-                columns.append(np.full(len(curve.time), np.nan) if curve.upper is None else curve.upper)
+            for name in further:
+                values = getattr(curve, name)
+                columns.append(np.full(len(curve.time), np.nan) if values is None else values)
             for row in zip(curve.time, *columns, strict=True):
                 cells = ("" if math.isnan(value) else f"{value:.9g}" for value in row)
                 writer.writerow([curve.condition, curve.channel, *cells])
@@ -212,10 +232,12 @@ def _cell(name: str, text: str) -> Any:
 
 
 def _curve(condition: str, channel: Channel, rest: float, rows: list[dict[str, Any]]) -> Curve:
-    """The curve. The column of upper edges is empty beside what is no band; an earlier version wrote no errors."""
+    """The curve. Columns that only some curves have are empty beside others; an earlier version wrote no errors."""
     columns: dict[str, Any] = {
         name: np.array([math.nan if (value := row.get(name)) is None else value for row in rows])
-        for name in ("time_ms", *_COLUMNS, "upper")
+        for name in ("time_ms", *_COLUMNS, *_FURTHER)
     }
-    time, upper = columns.pop("time_ms"), columns.pop("upper")
-    return Curve(condition, channel, time, **columns, rest=rest, upper=None if np.isnan(upper).all() else upper)
+    further: dict[str, Any] = {
+        name: None if np.isnan(column := columns.pop(name)).all() else column for name in _FURTHER
+    }
+    return Curve(condition, channel, columns.pop("time_ms"), **columns, **further, rest=rest)

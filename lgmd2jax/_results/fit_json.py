@@ -68,6 +68,7 @@ def content_of(fit: Fit, supplement: Supplement) -> dict[str, Any]:
         "leave_one_out_r2": supplement.left_out,
         "looming_law": supplement.looming_law and dataclasses.asdict(supplement.looming_law),
         "profiles": {name: dataclasses.asdict(profile) for name, profile in supplement.profiles.items()},
+        "score_test": [score._asdict() for score in supplement.scores],
         "z": fit.z,
         "uncertainty": _plain_uncertainty(u),
         "curved": fit.curved,

@@ -89,11 +89,12 @@ _FIT = {
     "runs": list[table("Run", _complete(_RUN))],
     "screened": _VECTOR,
 }
-FIT = TypeAdapter(table("Fit", _complete(_FIT) | {"unfinished": list[Text]}, OpenTable))
+_DATA = table("Data", dict.fromkeys(("file", "digest", "protocol", "animal"), Text))
+FIT = TypeAdapter(table("Fit", _complete(_FIT) | {"unfinished": list[Text], "data": _DATA}, OpenTable))
 
 _END = either(is_null, {"null": type(None), "value": OpenEnd})
 _ROW = {"condition": Text, "channel": names(TARGETS), "time_ms": Number}
 _ROW |= {"target": _END, "sem": _NULLABLE, "weight": Number, "soft": _NULLABLE, "hard": _NULLABLE, "band": _NULLABLE}
-_ROW_TABLE = table("Row", _complete(_ROW) | {"error": _NULLABLE, "upper": _END})
+_ROW_TABLE = table("Row", _complete(_ROW) | {"error": _NULLABLE, "upper": _END, "exposure": _NULLABLE})
 _ROWS: Any = Annotated[list[_ROW_TABLE], Field(min_length=1)]  # pyright: ignore[reportInvalidTypeForm]
 ROWS = TypeAdapter(_ROWS)

@@ -61,6 +61,7 @@ def _fit(network: type[AbstractNetwork]) -> type[BaseModel]:
     fields = {
         "protocol": (Text, ...),
         "kind": Literal["fit"],
+        "by": Literal["animal"],
         "network": names([name]),
         "temperature": Positive,
         "parameters": parameters(network),

@@ -8,7 +8,7 @@ import numpy as np
 
 from lgmd2jax._channels import Channel
 from lgmd2jax._targets.columns import Columns, Where, read_columns
-from lgmd2jax._targets.spike_trains import SpikeTrains
+from lgmd2jax._targets.spike_trains import Likelihood, SpikeTrains
 from lgmd2jax._targets.target import Target
 from lgmd2jax._targets.units import size_of
 
@@ -69,6 +69,7 @@ def read_spike_trains(
     path: str | os.PathLike,
     *,
     kernel_ms: float | int = 20.0,
+    likelihood: Likelihood = "normal",
     animal: str = "animal",
     trial: str = "trial",
     time: str | None = None,
@@ -84,7 +85,7 @@ def read_spike_trains(
 
     **Arguments:**
 
-    - `kernel_ms`: as of `SpikeTrains`.
+    - `kernel_ms`, `likelihood`: as of `SpikeTrains`.
     - `animal`, `trial`: names of columns.
     - `columns`: names of columns that hold the spike times of one trial each, all of one animal; there is then no
       column of animals, trials and times. Empty cells below the last spike are passed over.
@@ -99,7 +100,7 @@ def read_spike_trains(
             ms = 1.0 if time_unit is None else size_of(time_unit, "ms")
             if ms is None:
                 raise ValueError(f"time_unit is {time_unit!r}; give 'ms', 's', 'us' or 'min'")
-            return SpikeTrains([[_spikes(table, name, ms) for name in columns]], kernel_ms)
+            return SpikeTrains([[_spikes(table, name, ms) for name in columns]], kernel_ms, likelihood)
         clock, ms = table.time(time, time_unit, [animal, trial, *(where or ())])
         trains: dict[str, dict[str, list[float]]] = {}
         cells = zip(table.text(animal), table.text(trial), table.numbered(clock), strict=True)
@@ -110,7 +111,7 @@ def read_spike_trains(
             if when:
                 spikes.append(ms * table.number(when, clock, number))
         _warn_of_conditions(path, table, (animal, trial), [clock, *(where or ())])
-        return SpikeTrains([list(trials.values()) for trials in trains.values()], kernel_ms)
+        return SpikeTrains([list(trials.values()) for trials in trains.values()], kernel_ms, likelihood, list(trains))
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from error
 

@@ -4,7 +4,7 @@ import dataclasses
 import math
 import warnings
 from collections.abc import Iterable, Sequence
-from typing import Any
+from typing import Any, Literal, get_args
 
 import numpy as np
 from jaxtyping import Array, Float
@@ -14,10 +14,12 @@ from lgmd2jax._targets.clock import doubt, share_inside
 from lgmd2jax._targets.gaussian_sum import gaussian_sum
 from lgmd2jax._targets.target import Target
 from lgmd2jax._targets.units import duration, times
+from lgmd2jax._words import nearest
 from lgmd2jax.stimuli import Stimulus
 
 Trial = Sequence[float | int] | Array | np.ndarray
 Trials = Sequence[Sequence[Trial]]
+Likelihood = Literal["normal", "poisson"]
 
 _COARSE = 10  # standard deviations of the kernel between two samples, from which spikes fall between them
 _REFRACTORY_MS = 0.5  # spikes of a neuron do not follow each other faster
@@ -34,21 +36,49 @@ class SpikeTrains:
     - `trials`: for each animal its trials, each an array of spike times in ms, on the clock of the stimulus; an empty
       array is a trial without spikes. Times with a unit of their own, such as a `neo.SpikeTrain`, are converted by it.
     - `kernel_ms`: standard deviation of the Gaussian.
+    - `likelihood`: `"normal"` compares the smoothed rate, averaged over trials and animals, by least squares;
+      `"poisson"` the spikes themselves, counted in bins around the frames, as an inhomogeneous Poisson process around
+      the predicted rate. An `Observation`'s `smoothing` is then no kernel, for counts have none, but the scatter of the
+      neuron's response from trial to trial. All trials count alike, whichever animal they are of.
+    - `animals`: their names, by default "1", "2", and so on.
 
-    **Raises:** `ValueError` as `spike_rate`.
+    **Raises:** `ValueError` as `spike_rate`, for another likelihood, and for names that are not one an animal.
     """
 
     trials: Trials
     kernel_ms: float | int = 20.0
+    likelihood: Likelihood = "normal"
+    animals: Sequence[str] | None = dataclasses.field(default=None, compare=False)
 
     def __post_init__(self):
         object.__setattr__(self, "kernel_ms", _kernel(self.kernel_ms))
         object.__setattr__(self, "trials", _nested(self.trials))
-        _animals(self.trials)
+        count = len(_animals(self.trials))
+        if self.likelihood not in get_args(Likelihood):
+            raise ValueError(
+                f"likelihood is {self.likelihood!r}; choose {nearest(self.likelihood, get_args(Likelihood))}"
+            )
+        names = [str(number) for number in range(1, count + 1)] if self.animals is None else list(self.animals)
+        if len(names) != count or len(set(names)) < count:
+            raise ValueError(f"animals is {names}; give {count} different names, one for each animal of the trials")
+        object.__setattr__(self, "animals", tuple(names))
 
     def on(self, stimulus: Stimulus) -> Target:
         """The target at the frames of the stimulus, all of which the recordings are taken to cover."""
-        return spike_rate(self.trials, np.asarray(stimulus.time, dtype=float), self.kernel_ms).on(stimulus)
+        time = np.asarray(stimulus.time, dtype=float)
+        if self.likelihood == "poisson":
+            return spike_counts(self.trials, time, self.kernel_ms)
+        return spike_rate(self.trials, time, self.kernel_ms).on(stimulus)
+
+    def of(self, animal: str) -> "SpikeTrains":
+        """The trials of one animal.
+
+        **Raises:** `ValueError` for a name that none has.
+        """
+        names = self.animals or ()
+        if animal not in names:
+            raise ValueError(f"no animal is named {animal!r}; choose {nearest(animal, names)}")
+        return dataclasses.replace(self, trials=[self.trials[names.index(animal)]], animals=[animal])
 
 
 def spike_rate(trials: Trials, time: Float[np.ndarray, " time"], kernel_ms: float | int = 20.0) -> Target:
@@ -90,6 +120,28 @@ def spike_rate(trials: Trials, time: Float[np.ndarray, " time"], kernel_ms: floa
         sem, rule = _standard_error(rates, variance * share)
     correlation_ms = 2 * math.sqrt(math.pi) * kernel_ms
     return Target("rate", rate, time=time, sem=sem, correlation_ms=correlation_ms, interpolate=True, sem_rule=rule)
+
+
+def spike_counts(trials: Trials, time: Float[np.ndarray, " time"], kernel_ms: float | int = 20.0) -> Target:
+    """The spikes of all trials in bins around times, as counts that a Poisson likelihood weighs.
+
+    Each bin reaches half-way to its neighbours. The standard error of a bin, which is drawn and sets the scale of a
+    search, is that of Poisson counts at the rate behind a Gaussian of `kernel_ms`, and half a spike.
+
+    **Returns:** a target in the channel `"rate"` at these times, spikes/s, with its exposure.
+
+    **Raises:** `ValueError` as `spike_rate`.
+    """
+    smooth = spike_rate(trials, time, kernel_ms)
+    all_trials = [np.asarray(trial) for animal in _animals(_nested(trials)) for trial in animal]
+    middles = (time[1:] + time[:-1]) / 2
+    edges = np.concatenate([[2 * time[0] - middles[0]], middles, [2 * time[-1] - middles[-1]]])
+    counts, _ = np.histogram(np.concatenate(all_trials), edges)
+    exposure = len(all_trials) * np.diff(edges) / 1000
+    half_a_spike = _HALF_A_SPIKE * 1000 / (len(all_trials) * smooth.correlation_ms)
+    sem = np.sqrt((smooth.values + half_a_spike) / exposure)
+    rule = "spikes counted in bins around the frames, and weighed by the likelihood of a Poisson process"
+    return Target("rate", counts / exposure, time=time, sem=sem, sem_rule=rule, exposure=exposure)
 
 
 def _standard_error(

@@ -61,10 +61,13 @@ class Target(eqx.Module):
     - `upper`: makes it a band, of which `values` are the lower edge. A response within is no difference, edges
       included; one outside differs by its distance from the nearer edge. Of the two edges one may be infinite.
     - `quote`: the words that it stands for, under which a report counts it.
+    - `exposure`: makes the values, at the frames of the stimulus, counts of spikes by the time in which they were
+      counted, in s, all trials together. A difference is then weighed by the Poisson likelihood of the counts, and
+      `sem` is only drawn.
 
     **Raises:** `ValueError` for an unknown channel, for arrays of unequal lengths, for what is not finite, for times
     that do not increase, for negative errors and weights, and for a band with an edge above the other, without any
-    finite edge, or with a `sem`, which only a curve has.
+    finite edge, or with a `sem`, which only a curve has, and for an exposure of another channel than the rate.
     """
 
     channel: Channel = eqx.field(static=True)
@@ -78,12 +81,13 @@ class Target(eqx.Module):
     sem_rule: str = eqx.field(default="", static=True)
     upper: Float[np.ndarray, " time"] | None = eqx.field(default=None, converter=partial(_optional, name="upper"))
     quote: str = eqx.field(default="", static=True)
+    exposure: Float[np.ndarray, " time"] | None = eqx.field(default=None, converter=partial(_optional, name="exposure"))
 
     def __check_init__(self):
         check_channel(self.channel)
         if self.values.ndim != 1 or not self.values.size:
             raise ValueError(f"values has shape {self.values.shape}; give a number for each time")
-        for name in ("values", "time", "sem", "error", "weight", "upper"):
+        for name in ("values", "time", "sem", "error", "weight", "upper", "exposure"):
             array = getattr(self, name)
             if array is None:
                 continue
@@ -97,6 +101,11 @@ class Target(eqx.Module):
         if self.error is not None:
             _check("error", self.error, self.error > 0, "a positive number")
         _check("weight", self.weight, self.weight >= 0, "0 or more")
+        if self.exposure is not None:
+            _check("exposure", self.exposure, self.exposure > 0, "a positive number of seconds")
+            _check("values", self.values, self.values >= 0, "0 or more, a rate of counted spikes")
+            if self.channel != "rate" or self.is_band or self.interpolate:
+                raise ValueError("exposure is for counts of spikes: a curve in 'rate', at the frames of the stimulus")
         if self.time is not None:
             _check("time", self.time, np.diff(self.time, prepend=-np.inf) > 0, "times that increase")
         check_correlation(self.correlation_ms)

@@ -4,7 +4,7 @@ import dataclasses
 from collections.abc import Iterator
 from typing import Any
 
-from lgmd2jax._targets.spike_trains import SpikeTrains
+from lgmd2jax._targets.spike_trains import Likelihood, SpikeTrains
 from lgmd2jax._trials.peak_line import LoomingEstimate, estimate
 from lgmd2jax._trials.trial import Condition, Trial, natural, told
 from lgmd2jax._words import nearest
@@ -76,12 +76,12 @@ class Trials:
             raise ValueError(f"no trial has {asked}; animals are {', '.join(self.animals)}")
         return Trials(left, self.remarks)
 
-    def spike_trains(self, kernel_ms: float | int = 20.0) -> SpikeTrains:
-        """These trials as a target of a fit; choose one condition by `where` before."""
+    def spike_trains(self, kernel_ms: float | int = 20.0, likelihood: Likelihood = "normal") -> SpikeTrains:
+        """These trials as a target of a fit, by animal; choose one condition by `where` before."""
         by_animal = {animal: [] for animal in self.animals}
         for trial in self.trials:
             by_animal[trial.animal].append(trial.spikes_ms)
-        return SpikeTrains(list(by_animal.values()), kernel_ms)
+        return SpikeTrains(list(by_animal.values()), kernel_ms, likelihood, self.animals)
 
     def looming_law(self, kernel_ms: float | int = 20.0, *, resamples: int = 1000, seed: int = 0) -> LoomingEstimate:
         """The line t_c - t_peak = alpha l/|v| - delta of peak times, for each animal and for all, with quality control.

@@ -2,19 +2,22 @@
 
 import argparse
 import dataclasses
+import re
 import time
+from pathlib import Path
 
 import jax
 
+from lgmd2jax._files.atomic import read_json, replaced
 from lgmd2jax._recipes.fit import Recipe
 from lgmd2jax._recipes.load import load_recipe
-from lgmd2jax._results.fit_folder import FitFolder
+from lgmd2jax._results.fit_folder import FitFolder, load_fit
 from lgmd2jax._results.posterior_nc import check_packages
-from lgmd2jax._results.results_folder import SEARCH
+from lgmd2jax._results.results_folder import MARKER, SEARCH, is_finished
 from lgmd2jax.alarms import AlarmRecipe
 from lgmd2jax.cli import fit_alarms
 from lgmd2jax.cli.recipe_results import folder_of, kept_work, records, write_stopped
-from lgmd2jax.fitting import Supplement
+from lgmd2jax.fitting import AnimalFits, Fit, Supplement
 from lgmd2jax.fitting._search.descent import STOPPED
 
 _DRAWS = "the draws of the posterior"
@@ -36,18 +39,44 @@ def run(options: argparse.Namespace) -> None:
         raise ValueError(f"--clips is for a recipe of kind 'alarms'; that of {options.recipe} is 'fit'")
     if options.mechanisms is not None:
         recipe = recipe.with_mechanisms(*options.mechanisms)
-    _fit_curves(options, recipe, start)
+    folder = folder_of(options, recipe.name)
+    if recipe.animals:
+        _fit_animals(options, recipe, folder, start)
+        return
+    fit, extra = _fit_curves(options, recipe, folder, start)
+    print(fit.summary(extra))
+    print(f"\nwrote {folder}/ in {time.monotonic() - start:.0f} s; open {folder}/report.html")
 
 
-def _fit_curves(options: argparse.Namespace, recipe: Recipe, start: float) -> None:
-    """Make the fit, write its folder, add what else the recipe asks for, and print the report."""
+def _fit_animals(options: argparse.Namespace, recipe: Recipe, folder: Path, start: float) -> None:
+    """Make one fit an animal, each in a folder of its own, and what holds over them."""
+    folder.mkdir(exist_ok=True)
+    fits = {}
+    for animal, own in recipe.each().items():
+        place = folder / re.sub(r"[^\w.-]", "_", animal)
+        if options.resume and is_finished(place) and read_json(place / MARKER).get("digest") == own.digest():
+            fits[animal] = load_fit(place)
+        else:
+            fits[animal], _ = _fit_curves(options, own, place, time.monotonic())
+    animals = AnimalFits(fits)
+    for name, write in (("animals.csv", animals.write_csv), ("animals.png", animals.plot)):
+        with replaced(folder / name) as temporary:
+            write(temporary)
+    with replaced(folder / "report.txt") as temporary:
+        temporary.write_text(animals.summary() + "\n", encoding="utf-8")
+    print(animals.summary())
+    print(f"\nwrote {folder}/ in {time.monotonic() - start:.0f} s: a folder an animal, animals.csv and animals.png")
+
+
+def _fit_curves(options: argparse.Namespace, recipe: Recipe, folder: Path, start: float) -> tuple[Fit, Supplement]:
+    """Make the fit, write its folder, and add what else the recipe asks for."""
     if recipe.samples:
         check_packages()
-    folder, digest = folder_of(options, recipe.name), recipe.digest()
+    digest = recipe.digest()
     with kept_work(folder, digest, options.resume) as memory:
         print(f"fitting {', '.join(recipe.free.names)} to {len(recipe.pairs)} conditions of {recipe.name}", flush=True)
         fit = recipe.run(progress=True, memory=memory)
-        notes, provenance = records(recipe, digest, start)
+        notes, provenance = records(recipe, digest, start, folder)
         results = FitFolder(fit, folder, recipe.name, notes)
         further = recipe.further(fit, memory, progress=True)
         left = [*further, *([_DRAWS] if recipe.samples else [])]
@@ -65,5 +94,4 @@ def _fit_curves(options: argparse.Namespace, recipe: Recipe, start: float) -> No
             draws = fit.sample(jax.random.key(recipe.seed), recipe.samples, memory=memory)
             extra = dataclasses.replace(extra, unfinished=())
             results.add_draws(extra, draws)
-    print(fit.summary(extra))
-    print(f"\nwrote {folder}/ in {time.monotonic() - start:.0f} s; open {folder}/report.html")
+    return fit, extra

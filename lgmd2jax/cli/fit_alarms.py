@@ -61,7 +61,7 @@ def run(options: argparse.Namespace, recipe: AlarmRecipe, start: float) -> None:
             print("no clip has a silence: nothing here speaks against a model that always fires", flush=True)
         fit, scores = recipe.run(clips, progress=True, memory=memory), None
         left = [_HELD_OUT] if recipe.validation is not None or fit.without else []
-        notes, provenance = records(recipe, digest, start)
+        notes, provenance = records(recipe, digest, start, folder)
         results = AlarmFolder(fit, folder, recipe.name, notes)
         if fit.stopped:
             provenance["unfinished"] = SEARCH

@@ -15,6 +15,7 @@ from lgmd2jax._files.folder import check_folder
 from lgmd2jax._files.lock import locked
 from lgmd2jax._files.temporary import temporaries_beside
 from lgmd2jax._recipes.fit import Recipe
+from lgmd2jax._results.fit_data import entry_naming
 from lgmd2jax._results.results_folder import MARKER, is_finished
 from lgmd2jax.alarms import AlarmRecipe
 
@@ -59,12 +60,16 @@ def write_stopped(folder: Path, write: Callable[[], None], summary: str) -> NoRe
     raise SystemExit(130)
 
 
-def records(recipe: Recipe | AlarmRecipe, digest: str, start: float) -> tuple[dict[str, Any], dict[str, Any]]:
+def records(
+    recipe: Recipe | AlarmRecipe, digest: str, start: float, folder: Path
+) -> tuple[dict[str, Any], dict[str, Any]]:
     """What a fit came from: notes for fit.json, and provenance for model.json, which equal fits share.
 
-    **Arguments:** `start`: of the run, by `time.monotonic`.
+    **Arguments:** `start`: of the run, by `time.monotonic`. `folder`: of the results.
     """
     notes = {"recipe": recipe.table, "digest": digest, "made": _origin(start)}
+    if isinstance(recipe, Recipe):
+        notes["data"] = entry_naming(recipe.protocol, folder, recipe.animal)
     return notes, {"recipe": recipe.name, "seed": recipe.seed, "digest": digest}
 
 

@@ -1,4 +1,5 @@
 # The public names. `__init__.py` loads each of them when it is first used.
+from ._animals import AnimalFits as AnimalFits, Population as Population, fit_each as fit_each
 from ._comparison import Comparison as Comparison
 from ._conditions import AnyTarget as AnyTarget
 from ._curve import Curve as Curve
@@ -8,8 +9,16 @@ from ._law_fit import LawComparison as LawComparison, LawFit as LawFit, PeakLine
 from ._report import Supplement as Supplement
 from ._result import Fit as Fit
 from ._run import Run as Run
+from ._simulator import Simulator as Simulator, as_simulator as as_simulator
 from ._solver.levenberg_marquardt import BoundedLevenbergMarquardt as BoundedLevenbergMarquardt
+from ._telling import (
+    TellingStimulus as TellingStimulus,
+    discriminating_stimulus as discriminating_stimulus,
+    strongest_stimulus as strongest_stimulus,
+)
 from ._uncertainty.covariance import Uncertainty as Uncertainty
 from ._uncertainty.next_stimulus import Candidate as Candidate
 from ._uncertainty.posterior import Posterior as Posterior
 from ._uncertainty.profile import Profile as Profile
+from ._uncertainty.random_effects import RandomEffects as RandomEffects, random_effects as random_effects
+from ._uncertainty.score import Score as Score

@@ -1,6 +1,7 @@
 """Fits to the same data side by side: how well each explains them, with how many free parameters."""
 
 import dataclasses
+import itertools
 import math
 from collections.abc import Iterable, Mapping
 from typing import NamedTuple
@@ -55,6 +56,9 @@ class Comparison:
       reason in `without_criteria`.
     - `parameters`: by name the estimate of each fit, None where it acts on nothing; all that are free in any.
     - `units`: of these parameters, "" for a plain number.
+    - `is_counts`: whether the targets are counts of spikes, whose chi2 is the deviance, and AIC and BIC -2 ln L + 2 p
+      and + p log(n).
+    - `alike`: pairs of fits that give the same answers to all stimuli, by name.
     - `left_out`: by condition R2 of each fit, predicted by a fit to others; NaN where that was not asked for.
     - `properties`: of the 22, where that was asked for.
     """
@@ -72,6 +76,8 @@ class Comparison:
     parameters: Mapping[str, tuple[Estimate | None, ...]]
     units: Mapping[str, str]
     left_out: Mapping[str, Float[np.ndarray, " fit"]]
+    is_counts: bool = False
+    alike: tuple[tuple[str, str], ...] = ()
     properties: tuple[Held, ...] | None = None
 
     @property
@@ -142,12 +148,20 @@ class Comparison:
 
     def _sentences(self) -> tuple[str, ...]:
         counted = f"Chi2 counts {self.samples:.4g} independent samples"
+        alike = tuple(
+            f"{one} and {other} give the same answers to all of these stimuli, so that no such data tell them apart."
+            for one, other in self.alike
+        )
         if self.without_criteria:
-            return (f"{counted}. No AIC and BIC: {self.without_criteria}.",)
+            return (f"{counted}. No AIC and BIC: {self.without_criteria}.", *alike)
+        if self.is_counts:
+            criteria = "AIC and BIC are -2 ln L + 2 p and + p log(n), with p free parameters, of the Poisson process"
+            return (f"{counted}, bins of spikes; it is the deviance. {criteria}.", *alike)
         return (
             f"{counted}: residuals are thinned to one for each span within which the recordings' values are "
             "correlated. AIC and BIC are n log(chi2/n) + 2 p and + p log(n), with p free parameters, so that the scale "
             "of the errors is free.",
+            *alike,
         )
 
     def summary(self) -> str:
@@ -172,14 +186,19 @@ def compared(fits: Mapping[str, Fit], left_out: Mapping[str, Mapping[str, float]
         raise ValueError("fits holds fewer than two; give two or more")
     (first_name, first), *others = fits.items()
     for name, fit in others:
-        if difference := _difference(first_name, first, name, fit):
+        if difference := difference_of_data(first_name, first, name, fit):
             raise ValueError(f"{first_name} and {name} are fits to different data: {difference}")
     chi2 = np.array([[curve.chi2() for curve in fit.curves] for fit in fits.values()])
     free, samples = np.array([len(fit.free) for fit in fits.values()]), first.uncertainty.n_effective
-    reason = _without_criteria(first)
+    reason, is_counts = _without_criteria(first), all(curve.exposure is not None for curve in first.curves)
+    likelihoods = chi2.sum(axis=1)
+    if is_counts:
+        likelihoods = [sum(curve.minus_two_log_likelihood() for curve in fit.curves) for fit in fits.values()]
     criteria = [
-        (math.nan, math.nan) if reason else information_criteria(float(each), samples, int(count))
-        for each, count in zip(chi2.sum(axis=1), free, strict=True)
+        (math.nan, math.nan)
+        if reason
+        else information_criteria(float(each), samples, int(count), known_errors=is_counts)
+        for each, count in zip(likelihoods, free, strict=True)
     ]
     conditions = dict.fromkeys(curve.condition for curve in first.curves)
     known = [name for name in conditions if any(name in left_out.get(fit, {}) for fit in fits)]
@@ -196,8 +215,14 @@ def compared(fits: Mapping[str, Fit], left_out: Mapping[str, Mapping[str, float]
         aic=np.array([aic for aic, _ in criteria]),
         bic=np.array([bic for _, bic in criteria]),
         without_criteria=reason,
+        is_counts=is_counts,
         parameters={name: tuple(_estimate(fit, name) for fit in fits.values()) for name in free_symbols},
         units={name: "" if symbol.unit == "1" else symbol.unit for name, symbol in free_symbols.items()},
+        alike=tuple(
+            (one, other)
+            for (one, mine), (other, theirs) in itertools.combinations(fits.items(), 2)
+            if all(_same(a.hard, b.hard) for a, b in zip(mine.curves, theirs.curves, strict=True))
+        ),
         left_out={name: np.array([left_out.get(fit, {}).get(name, np.nan) for fit in fits]) for name in known},
     )
 
@@ -228,6 +253,11 @@ def _without_criteria(fit: Fit) -> str:
     Built curves have no noise, whose likelihood they would count; neighbouring values of a recording are alike, so that
     each by itself is no sample.
     """
+    counts = [curve.exposure is not None for curve in fit.curves]
+    if all(counts):
+        return ""
+    if any(counts):
+        return "counts of spikes stand beside averages, whose likelihoods do not add up"
     if not all(np.isfinite(curve.sem).any() for curve in fit.curves):
         return "they are of recordings, and here a target has no standard error that was recorded"
     if fit.uncertainty.n_effective >= sum(int((curve.weight > 0).sum()) for curve in fit.curves):
@@ -235,7 +265,7 @@ def _without_criteria(fit: Fit) -> str:
     return ""
 
 
-def _difference(first_name: str, first: Fit, name: str, fit: Fit) -> str:
+def difference_of_data(first_name: str, first: Fit, name: str, fit: Fit) -> str:
     """In what the data of two fits differ, or nothing."""
     keys = [[(curve.condition, curve.channel) for curve in each.curves] for each in (first, fit)]
     for one, (mine, theirs) in zip((first_name, name), (keys, keys[::-1]), strict=True):
@@ -245,14 +275,16 @@ def _difference(first_name: str, first: Fit, name: str, fit: Fit) -> str:
     if keys[0] != keys[1]:
         return "their targets are in another order"
     for mine, theirs in zip(first.curves, fit.curves, strict=True):
+        if (mine.exposure is None) != (theirs.exposure is None):
+            return f"{mine.condition!r} is fitted as counts of spikes by one alone"
         for field in ("time", "target", "high", "weight", "error"):
             pair = getattr(mine, field), getattr(theirs, field)
             unknown = field == "error" and any(np.isnan(values).all() for values in pair)
             if not unknown and not _same(*pair):
                 return f"{field} of {mine.condition!r}, {mine.channel}, is another"
     digests = [each.stats.get("stimuli", {}) for each in (first, fit)]  # an earlier version wrote none
-    for condition in digests[0].keys() & digests[1].keys():
-        if digests[0][condition] != digests[1][condition]:
+    for condition, digest in digests[0].items():
+        if digests[1].get(condition, digest) != digest:
             return f"the stimulus of {condition!r} is another"
     return ""
 

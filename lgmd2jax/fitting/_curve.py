@@ -13,6 +13,7 @@ from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._targets.observation import Observation
 from lgmd2jax._targets.target import Target
 from lgmd2jax._words import warn_renamed
+from lgmd2jax.fitting._poisson import LEAST_RATE, deviance_residuals, minus_two_log_likelihood
 from lgmd2jax.stimuli import Stimulus
 
 Kind = Literal["soft", "hard", "silence"]
@@ -30,7 +31,7 @@ GRADES = (
     f"Where silence itself misses by less than {_QUIET:.0%} of the span, quiet is asked: good is then an RMSE of at "
     f"most {_GOOD_QUIET:.0%} of the span, fair one of at most {_FAIR_QUIET:.0%}. The span is the target's range, but "
     "no less than half of what the channel can do.",
-    "Missed: all else.",
+    "Missed: all else. Of counts of spikes R2 is the share of the deviance explained; chance alone leaves 1 a bin.",
 )
 BAND_GRADES = (
     f"Good: at least {_GOOD_BAND:.0%} of the hard model's samples within; fair: at least {_FAIR_BAND:.0%}; both only "
@@ -49,6 +50,8 @@ class Curve:
     - `error`: standard error with which a frame counts in chi2, the larger the more frames make one independent sample;
       NaN where there is no target, and throughout where an earlier version wrote the curves.
     - `upper`: makes the target a band, of which `target` is the lower edge. `quote`: the words that it stands for.
+    - `exposure`: makes the target counts of spikes by this time, in s; NaN where there is no target. Chi2 is then the
+      deviance, and R2 the share of it that the model explains.
     """
 
     condition: str
@@ -64,6 +67,7 @@ class Curve:
     error: Float[np.ndarray, " time"]
     upper: Float[np.ndarray, " time"] | None = None
     quote: str = ""
+    exposure: Float[np.ndarray, " time"] | None = None
 
     @property
     def silence(self) -> Float[np.ndarray, " time"]:
@@ -74,6 +78,8 @@ class Curve:
         """Share of the target's variance that the model explains; NaN for a band, and for one that does not vary."""
         if self.is_band:
             return float("nan")
+        if self.exposure is not None:
+            return 1 - self.chi2(kind) / self.chi2_of_mean
         return variance_explained(self.target, getattr(self, kind), self.weight)
 
     def rmse(self, kind: Kind = "hard") -> float:
@@ -101,11 +107,34 @@ class Curve:
 
     def chi2(self, kind: Kind = "hard") -> float:
         """Sum of the squared distances in standard errors, of independent samples; NaN where errors are unknown."""
+        if self.exposure is not None:
+            return float(np.square(self.deviance_residuals(getattr(self, kind))).sum())
         return self._chi2_of(self.distance(kind))
+
+    def deviance_residuals(self, rate: Float[np.ndarray, " time"]) -> Float[np.ndarray, " counted"]:
+        """Of counts, where they count, from a rate in spikes/s."""
+        counts, means = self._counts_and_means(rate)
+        return np.asarray(deviance_residuals(jnp.asarray(counts), jnp.asarray(means)))
+
+    def minus_two_log_likelihood(self, kind: Kind = "hard") -> float:
+        """Of counts under the model, all terms included."""
+        return minus_two_log_likelihood(*self._counts_and_means(getattr(self, kind)))
+
+    def _counts_and_means(
+        self, rate: Float[np.ndarray, " time"]
+    ) -> tuple[Float[np.ndarray, " counted"], Float[np.ndarray, " counted"]]:
+        counted, exposure = self.weight > 0, self.exposure
+        if exposure is None:
+            raise ValueError(f"the target of {self.condition!r} is no count of spikes; give it an exposure")
+        return self.target[counted] * exposure[counted], np.maximum(rate, LEAST_RATE)[counted] * exposure[counted]
 
     @property
     def chi2_of_mean(self) -> float:
         """Chi2 of a constant, the target's own mean: what there is to explain; NaN for a band."""
+        if self.exposure is not None:
+            counted = self.weight > 0
+            mean = np.average(self.target[counted], weights=self.exposure[counted])
+            return float(np.square(self.deviance_residuals(np.full(self.target.shape, mean))).sum())
         return (
             float("nan") if self.is_band else self._chi2_of(self.target - np.average(self.target, weights=self.weight))
         )
@@ -139,6 +168,8 @@ class Curve:
 
     @property
     def _curve_grade(self) -> Grade:
+        if self.exposure is not None:
+            return self._counts_grade
         miss, silence = self.rmse(), self.rmse("silence")
         if silence < _QUIET * self.span:
             return (
@@ -147,6 +178,14 @@ class Curve:
         if miss > _HALF * silence:
             return "missed"
         r2 = 1 - (miss / silence) ** 2 if np.isnan(self.r2()) else self.r2()
+        return "good" if r2 >= _GOOD else "fair" if r2 >= _FAIR else "missed"
+
+    @property
+    def _counts_grade(self) -> Grade:
+        """By the share of the deviance that can be explained: chance alone leaves about 1 a bin."""
+        bins = np.count_nonzero(self.weight > 0)
+        left, whole = max(self.chi2() - bins, 0.0), self.chi2_of_mean - bins
+        r2 = 1 - left / max(whole, bins**0.5)
         return "good" if r2 >= _GOOD else "fair" if r2 >= _FAIR else "missed"
 
     @property
@@ -230,4 +269,5 @@ def curve_of(
         error,
         upper=target.upper,
         quote=target.quote,
+        exposure=target.exposure,
     )

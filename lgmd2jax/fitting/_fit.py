@@ -33,7 +33,7 @@ from lgmd2jax.fitting._search.descent import FINAL, STOPPED, Solver
 from lgmd2jax.fitting._search.search import TEMPERATURES, Search, check_counts
 from lgmd2jax.fitting._starts import CurveStarts
 from lgmd2jax.fitting._uncertainty.covariance import Uncertainty, linearised_uncertainty, prediction_band
-from lgmd2jax.fitting._uncertainty.jacobian import Sensitivity, sensitivity_at
+from lgmd2jax.fitting._uncertainty.jacobian import Sensitivity, known_rows, sensitivity_at
 from lgmd2jax.fitting._uncertainty.linearity import nonlinear_parameters
 from lgmd2jax.stimuli import Stimulus
 
@@ -180,7 +180,7 @@ def fit(
             **choice,
             **_loudest(model, pairs),
             "rules": _rules(pairs),
-            "stimuli": {stimulus.name: _digest(stimulus) for stimulus, _ in pairs},
+            "stimuli": {stimulus.name: digest_of(stimulus) for stimulus, _ in pairs},
         },
         problem=problem,
     )
@@ -267,25 +267,25 @@ def _rules(pairs: Sequence[Rendered]) -> dict[str, int]:
     return dict(Counter(rule for _, targets in pairs for target in targets for rule in target.rules))
 
 
-def _digest(stimulus: Stimulus) -> str:
+def digest_of(stimulus: Stimulus) -> str:
     """What tells stimuli apart: their frames in hundredths of a grey level, beyond rounding, and their times."""
     frames = np.rint(100 * np.asarray(stimulus.frames, dtype=float)).astype(np.int32)
     return hashlib.sha256(frames.tobytes() + np.asarray(stimulus.time, dtype=float).tobytes()).hexdigest()[:16]
 
 
 def _uncertainty(problem: Problem, z: Float[np.ndarray, " free"], slopes: Sensitivity, absolute: bool) -> Uncertainty:
-    free, rows = problem.free, problem.known()
+    free = problem.free
     return linearised_uncertainty(
         free.names,
         z,
         free.unpacked,
         free.slopes(z),
-        np.asarray(slopes.jacobian)[rows],
-        np.asarray(slopes.residuals)[rows],
+        *known_rows(problem, slopes),
         n_effective=problem.samples(),
         absolute=absolute,
         priors=problem.priors,
         inside=problem.samples_inside(slopes.curves),
+        minus_two_log_likelihood=problem.minus_two_log_likelihood(slopes.curves),
     )
 
 

@@ -17,6 +17,7 @@ from lgmd2jax._network.stages import Sums
 from lgmd2jax._targets.observation import Observation
 from lgmd2jax._targets.target import Target, stride
 from lgmd2jax.fitting._free import Free
+from lgmd2jax.fitting._poisson import LEAST_RATE, deviance_residuals, minus_two_log_likelihood
 from lgmd2jax.fitting._robust import Loss, robust
 from lgmd2jax.fitting._search.space import Space
 from lgmd2jax.stimuli import Stimulus
@@ -32,14 +33,16 @@ class Slot(eqx.Module):
     """One target of each condition of a batch; `scale` is 0 where there is none.
 
     `low` and `high` are the edges of a band, both of them the values of a curve. `thinning` is how many frames make one
-    independent sample.
+    independent sample. `exposure` is 0 but for counts of spikes: the time in which they were counted, in s, by weight.
     """
 
     channel: str = eqx.field(static=True)
+    is_counts: bool = eqx.field(static=True)
     low: Float[Array, "condition time"]
     high: Float[Array, "condition time"]
     scale: Float[Array, "condition time"]
     thinning: Float[Array, " condition"]
+    exposure: Float[Array, "condition time"]
 
     def inside(self, curve: Float[Array, "condition time"]) -> Bool[Array, "condition time"]:
         """Where a curve lies within a band, edges included."""
@@ -48,6 +51,17 @@ class Slot(eqx.Module):
     def nearest(self, curve: Float[Array, "condition time"]) -> Float[Array, "condition time"]:
         """What of the target lies nearest to a curve: within a band the curve itself, so that no slope is left."""
         return jnp.where(self.inside(curve), curve, jnp.where(curve > self.low, self.high, self.low))
+
+    def means(self, curve: Float[Array, "condition time"]) -> Float[Array, "condition time"]:
+        """The counts that a rate lets expect; 1 where nothing was counted."""
+        return jnp.where(self.exposure > 0, jnp.maximum(curve, LEAST_RATE) * self.exposure, 1.0)
+
+    def difference(self, curve: Float[Array, "condition time"]) -> Float[Array, "condition time"]:
+        """Of a curve from the target, in standard errors; of counts the deviance residual. 0 without a target."""
+        if self.is_counts:
+            counted = self.exposure > 0
+            return jnp.where(counted, deviance_residuals(self.low * self.exposure, self.means(curve)), 0.0)
+        return self.scale * (curve - self.nearest(curve))
 
 
 class Place(NamedTuple):
@@ -102,7 +116,7 @@ class Problem(Space[AbstractNetwork]):
         Where so many frames make one sample, the square of each counts as that fraction of one.
         """
         rows = [
-            (robust(slot.scale * (curve - slot.nearest(curve)), self.loss) / jnp.sqrt(slot.thinning)[:, None]).ravel()
+            (robust(slot.difference(curve), self.loss) / jnp.sqrt(slot.thinning)[:, None]).ravel()
             for batch, predicted in zip(self.batches, curves, strict=True)
             for slot, curve in zip(batch.slots, predicted, strict=True)
         ]
@@ -159,6 +173,21 @@ class Problem(Space[AbstractNetwork]):
         return sum(
             float(((slot.scale > 0).sum(axis=1) / slot.thinning).sum()) for b in self.batches for slot in b.slots
         )
+
+    def minus_two_log_likelihood(self, curves: Curves) -> float | None:
+        """-2 ln L, up to a constant of the targets with known errors; None where no target is a count of spikes."""
+        if not any(slot.is_counts for batch in self.batches for slot in batch.slots):
+            return None
+        total = 0.0
+        for batch, predicted in zip(self.batches, curves, strict=True):
+            for slot, curve in zip(batch.slots, predicted, strict=True):
+                if slot.is_counts:
+                    counted = np.asarray(slot.exposure) > 0
+                    counts, means = np.asarray(slot.low * slot.exposure), np.asarray(slot.means(curve))
+                    total += minus_two_log_likelihood(counts[counted], means[counted])
+                else:
+                    total += float(jnp.square(slot.difference(curve) / jnp.sqrt(slot.thinning)[:, None]).sum())
+        return total
 
     def samples_inside(self, curves: Curves) -> float | None:
         """How many of them lie within a band; None where no target is one."""
@@ -218,14 +247,16 @@ def _batch(members: Sequence[tuple[Stimulus, Sequence[Target]]]) -> tuple[Batch,
             [np.pad(row, [(0, length - len(row))] + [(0, 0)] * (row.ndim - 1), **settings) for row in rows]
         )
 
-    columns: dict[tuple[str, int], list[Target | None]] = {}  # by channel, and which of a condition's targets in it
-    columns_of: list[list[tuple[str, int]]] = []
+    # By channel, whether they are counts, and which of a condition's targets of that kind it is.
+    columns: dict[tuple[str, bool, int], list[Target | None]] = {}
+    columns_of: list[list[tuple[str, bool, int]]] = []
     for row, (_, targets) in enumerate(members):
-        counts: Counter[str] = Counter()
+        counts: Counter[tuple[str, bool]] = Counter()
         columns_of.append([])
         for target in targets:
-            column = target.channel, counts[target.channel]
-            counts[target.channel] += 1
+            kind = target.channel, target.exposure is not None
+            column = (*kind, counts[kind])
+            counts[kind] += 1
             columns_of[row].append(column)
             columns.setdefault(column, [None] * len(members))[row] = target
 
@@ -238,12 +269,19 @@ def _batch(members: Sequence[tuple[Stimulus, Sequence[Target]]]) -> tuple[Batch,
     slots = [
         Slot(
             channel,
+            is_counts,
             rows(column, lambda target: target.values),
             rows(column, lambda target: target.values if target.upper is None else target.upper),
             rows(column, lambda target: target.scale),
             jnp.asarray([1.0 if target is None else target.thinning for target in column]),
+            rows(
+                column,
+                lambda target: (
+                    np.zeros(len(target.values)) if target.exposure is None else target.exposure * target.weight
+                ),
+            ),
         )
-        for (channel, _), column in columns.items()
+        for (channel, is_counts, _), column in columns.items()
     ]
     far = _FAR_MS * np.arange(1, length + 1)
     times = [np.asarray(stimulus.time) for stimulus, _ in members]

@@ -14,16 +14,19 @@ from lgmd2jax._network.parameters import ParameterSet, symbols
 from lgmd2jax._reports.digits import measured, plain, rounded
 from lgmd2jax._reports.section import Section
 from lgmd2jax._targets.observation import Observation, observation_symbols
-from lgmd2jax.fitting._curve import BAND_GRADES, DISAGREEMENT, GRADES, Curve, Grade, tallies
+from lgmd2jax.fitting._curve import BAND_GRADES, DISAGREEMENT, GRADES, Curve, Grade, Kind, tallies
 from lgmd2jax.fitting._free import Free
 from lgmd2jax.fitting._law_fit import LawComparison
+from lgmd2jax.fitting._residuals import residuals_of
 from lgmd2jax.fitting._run import Run
 from lgmd2jax.fitting._search.descent import FINAL
 from lgmd2jax.fitting._uncertainty.covariance import CONFIDENCE, Uncertainty
 from lgmd2jax.fitting._uncertainty.profile import Profile
+from lgmd2jax.fitting._uncertainty.score import Score
 
 _CHANCE = 1e-3  # of a chi2 as large as it is, below which the misfit is not consistent with the errors
 _CORRELATED, _MOST = 0.5, 10  # correlations from which, and how many, are told
+_PROMISING = 5  # fixed parameters that are told
 
 
 @dataclasses.dataclass(frozen=True)
@@ -31,6 +34,7 @@ class Supplement:
     """Results that a report tells besides the fit's own.
 
     - `profiles`: the profile-likelihood interval of a parameter, by its name.
+    - `scores`: of the fixed parameters, what freeing each would promise, the best first.
     - `left_out`: R2 of a condition, by its name, predicted by a fit to all others.
     - `looming_law`: the looming law fitted to the same recordings.
     - `truth`: the known values of a twin's parameters.
@@ -38,6 +42,7 @@ class Supplement:
     """
 
     profiles: Mapping[str, Profile] = dataclasses.field(default_factory=dict)
+    scores: Sequence[Score] = ()
     left_out: Mapping[str, float] = dataclasses.field(default_factory=dict)
     looming_law: LawComparison | None = None
     truth: Mapping[str, float] = dataclasses.field(default_factory=dict)
@@ -208,6 +213,55 @@ def band_section(curves: Sequence[Curve]) -> Section:
     )
     title = "Bands (gap: of soft and hard, as a share of the span)"
     return Section(title, columns, tuple(rows), (*sentences, *BAND_GRADES) if rows else ())
+
+
+def residual_section(curves: Sequence[Curve], kind: Kind) -> Section:
+    """Where a model misses each target most, and over how long its residuals are alike."""
+    rows = []
+    for curve in curves:
+        time, values = rest = residuals_of(curve, kind)
+        largest = int(np.argmax(np.abs(values)))
+        lag = rest.autocorrelation[1] if len(values) > 1 else math.nan
+        rows.append(
+            (
+                curve.condition,
+                curve.channel,
+                f"{values.mean():+.3g}",
+                f"{values[largest]:+.3g}",
+                _unit(TARGETS[curve.channel].unit) if curve.exposure is None else "s.e. (deviance)",
+                f"{time[largest]:.0f}",
+                "-" if math.isnan(lag) else f"{lag:+.2f}",
+                "-" if math.isnan(lag) else f"{rest.correlation_ms:.0f}",
+            )
+        )
+    columns = ("residuals of", "channel", "mean|", "largest|", "unit", "at ms|", "autocorrelation|", "alike over ms|")
+    sentences = (
+        "Autocorrelation: of neighbouring samples. Noise is alike over the span of the recording's own smoothing; what "
+        "is alike over longer is what this circuit cannot do.",
+    )
+    return Section(f"Residuals of the {kind} model", columns, tuple(rows), sentences)
+
+
+def score_section(scores: Sequence[Score], parameters: ParameterSet) -> Section:
+    """The fixed parameters that promise most."""
+    known = symbols(type(parameters)) | observation_symbols()
+    rows = tuple(
+        (
+            score.name,
+            _unit(known[score.name].unit),
+            plain(score.value),
+            f"{score.better:.3g}",
+            f"{score.decrease:.3g}",
+            f"{score.probability:.1g}",
+        )
+        for score in scores[:_PROMISING]
+    )
+    columns = ("fixed", "unit", "at|", "better at|", "chi2 falls by|", "by chance|")
+    sentences = (
+        "To first order, all free parameters following (a score test). Far steps promise more than they hold: free the "
+        "parameter and fit anew.",
+    )
+    return Section("Fixed parameters that, freed, would lower chi2 most", columns, rows, sentences if rows else ())
 
 
 def _share(r2: float) -> str:

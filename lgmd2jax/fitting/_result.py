@@ -1,8 +1,11 @@
 """The result of a fit to curves, and what can be asked of it."""
 
 import dataclasses
-from collections.abc import Callable, Sequence
-from typing import Any
+import functools
+import importlib
+import os
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, Literal
 
 import jax.numpy as jnp
 import numpy as np
@@ -11,7 +14,7 @@ from jaxtyping import Array, Float
 from lgmd2jax._channels import Channel
 from lgmd2jax._compute.finished_work import Memory
 from lgmd2jax._network.abstract import AbstractNetwork
-from lgmd2jax._network.parameters import ParameterSet
+from lgmd2jax._network.parameters import ParameterSet, symbols
 from lgmd2jax._network.thresholds import Hard
 from lgmd2jax._protocol.condition import Condition
 from lgmd2jax._reports.section import Section, as_html, as_text, unfinished_section
@@ -21,17 +24,18 @@ from lgmd2jax._types import check_key
 from lgmd2jax._words import warn_renamed
 from lgmd2jax.fitting import _report
 from lgmd2jax.fitting._curve import DISAGREEMENT, Curve, predict
-from lgmd2jax.fitting._free import Free
+from lgmd2jax.fitting._free import Free, Linear
 from lgmd2jax.fitting._problem import Problem, chi2_residuals, problem_of
 from lgmd2jax.fitting._report import Supplement
 from lgmd2jax.fitting._run import Run
 from lgmd2jax.fitting._search.descent import FINAL
 from lgmd2jax.fitting._search.space import soften
 from lgmd2jax.fitting._uncertainty.covariance import Uncertainty, sentences
-from lgmd2jax.fitting._uncertainty.jacobian import sensitivity_at
+from lgmd2jax.fitting._uncertainty.jacobian import known_rows, sensitivity_at
 from lgmd2jax.fitting._uncertainty.next_stimulus import Candidate, rank
 from lgmd2jax.fitting._uncertainty.posterior import Posterior, draw_posterior
 from lgmd2jax.fitting._uncertainty.profile import Profile, profile_likelihood, rise_limit
+from lgmd2jax.fitting._uncertainty.score import Score, score_test
 from lgmd2jax.stimuli import Stimulus
 
 _SAME_LOSS = 0.01  # relative; runs so close to the best count as being at the same optimum
@@ -53,6 +57,8 @@ class Fit:
     - `errors`: by channel, the standard error that one frame would have if its neighbours told nothing of it.
     - `result`: `"converged"`, or why the best descent stopped. `stats`: counts of what was done, settings, and
       how samples were counted and errors arose.
+    - `problem`: stimuli and targets as the fit compared with them; of a fit that was loaded None, and `data` then gives
+      them when they are first needed, or refuses where they are gone or have changed.
     """
 
     model: AbstractNetwork
@@ -72,6 +78,7 @@ class Fit:
     result: str
     stats: dict[str, Any]
     problem: Problem | None = None
+    data: Callable[["Fit"], Problem] | None = dataclasses.field(default=None, repr=False)
 
     @property
     def parameters(self) -> Any:
@@ -100,6 +107,11 @@ class Fit:
         return dataclasses.replace(self.model, thresholds=Hard())
 
     @property
+    def kind(self) -> Literal["soft", "hard"]:
+        """Of the curves those of `model`, with its own thresholds."""
+        return "hard" if isinstance(self.model.thresholds, Hard) else "soft"
+
+    @property
     def channels(self) -> tuple[Channel, ...]:
         """The channels that had targets, the rate first."""
         return tuple(sorted({curve.channel for curve in self.curves}, key=lambda name: (name != "rate", name)))
@@ -115,7 +127,7 @@ class Fit:
     def profile(self, name: str, confidence: float = 0.95) -> Profile:
         """The interval of a free parameter by its profile likelihood: all others are fitted anew as it is moved.
 
-        **Raises:** `ValueError` for a parameter that is not free, and for a fit that was read from a folder.
+        **Raises:** `ValueError` for a parameter that is not free, and for a loaded fit whose data are gone.
         """
         if name not in self.free.names:
             raise ValueError(f"{name!r} is not free in this fit; choose {', '.join(self.free.names)}")
@@ -131,14 +143,24 @@ class Fit:
             value=lambda z: float(self.free.freedoms[index].value(z)),
         )
 
-    def sample(self, key: Array, draws: int = 1000, chains: int = 4, memory: Memory | None = None) -> Posterior:
+    def sample(
+        self,
+        key: Array,
+        draws: int = 1000,
+        chains: int = 4,
+        memory: Memory | None = None,
+        *,
+        warmup: int = 1000,
+        progress: bool = True,
+    ) -> Posterior:
         """Draws of the free parameters given the curves, uniform within the bounds beforehand (extra `bayes`).
 
         They lie in the unit box; `values_of` maps them to the parameters' own units.
 
         **Arguments:** `memory`: a mapping that keeps finished chains; given again, the draws go on from there.
+        `warmup`: steps before the draws of a chain, which adapt the sampler. `progress`: show a bar.
 
-        **Raises:** `ValueError` for a fit that was read from a folder, and without the extra.
+        **Raises:** `ValueError` for a loaded fit whose data are gone, and without the extra.
         """
         check_key(key)
         residuals = self._residuals("sample")
@@ -149,7 +171,9 @@ class Fit:
             variance=self.uncertainty.variance,
             draws=draws,
             chains=chains,
+            warmup=warmup,
             memory=memory,
+            progress=progress,
         )
 
     def values_of(self, draws: Posterior) -> dict[str, Float[np.ndarray, "chain draw"]]:
@@ -157,6 +181,43 @@ class Fit:
         return {
             freedom.name: np.asarray(freedom.value(draws.z[..., i])) for i, freedom in enumerate(self.free.freedoms)
         }
+
+    def score_test(self) -> list[Score]:
+        """Which fixed parameter, freed, would lower chi2 most, to first order: the best first.
+
+        Those that act on nothing here, that are tied, and that the free ones can replace are left out.
+
+        **Raises:** `ValueError` for a loaded fit whose data are gone.
+        """
+        problem, u, fixed = self._problem("score_test"), self.uncertainty, dict(self._fixed())
+        if u.reason or not fixed:
+            return []
+        wider = dataclasses.replace(problem, free=self.free.also(**fixed).of(type(self.parameters)))
+        values = np.array([float(getattr(self._owner(name), name)) for name in fixed])
+        bounds = np.array([(choice.low, choice.high) for choice in fixed.values()])
+        place = np.append(self.z, (values - bounds[:, 0]) / np.ptp(bounds, axis=1))
+        slopes = sensitivity_at(wider, jnp.asarray(place), jnp.asarray(self.temperatures[-1], dtype=float))
+        jacobian, residuals = known_rows(wider, slopes)
+        scale = np.ones(len(residuals))
+        scale[: len(residuals) - problem.priors] = np.sqrt(u.variance or 1.0)
+        jacobian, residuals, count = jacobian / scale[:, None], residuals / scale, len(self.free)
+        return score_test(
+            residuals,
+            jacobian[:, :count],
+            jacobian[:, count:] / np.ptp(bounds, axis=1),
+            names=tuple(fixed),
+            values=values,
+            bounds=bounds,
+            held=u.on_bound != 0,
+        )
+
+    def _fixed(self) -> Iterator[tuple[str, Linear]]:
+        """What acts on the curves and is not free, within its declared bounds, or up to a value beyond them."""
+        observed = observation_symbols() if "rate" in self.channels else {}
+        for name, symbol in (symbols(type(self.parameters)) | observed).items():
+            if name not in (*self.free.names, *self.free.ties, *self.model.unused):
+                value = float(getattr(self._owner(name), name))
+                yield name, Linear(min(symbol.bounds[0], value), max(symbol.bounds[1], value))
 
     def next_stimulus(self, candidates: Sequence[Condition | Stimulus]) -> list[Candidate]:
         """Which stimulus to record next: the one that narrows the intervals most. The best stands first."""
@@ -171,6 +232,36 @@ class Fit:
             jacobian = sensitivity_at(problem, jnp.asarray(self.z), temperature).jacobian
             jacobians.append(np.asarray(jacobian)[: len(targets) * len(nothing)])
         return rank(self.uncertainty, jacobians, [stimulus.name for stimulus in stimuli])
+
+    def plot(self, path: str | os.PathLike | None = None) -> Any:
+        """Draw target, soft and hard model of every condition, a panel each.
+
+        **Arguments:** `path`: of a file to write, whose suffix says its format, such as .png, .pdf or .svg.
+
+        **Returns:** the first panel, a matplotlib `Axes`; its `figure` holds all of them, and `figure.axes` lists them.
+
+        **Raises:** `ValueError` for a suffix that is no format.
+        """
+        return _figures().plot_curves(self, path)
+
+    def plot_residuals(self, path: str | os.PathLike | None = None) -> Any:
+        """Draw the residuals of `model` over time, and beside them their autocorrelation.
+
+        **Arguments**, **Returns**, **Raises:** as `plot`.
+        """
+        return _figures().plot_residuals(self, path)
+
+    def plot_profile(
+        self, name: str, profile: Profile | None = None, *, path: str | os.PathLike | None = None, ax: Any = None
+    ) -> Any:
+        """Draw how chi2 rises as a parameter is moved, with its interval and the parabola of its standard error.
+
+        **Arguments:** `profile`: of this parameter, where it was computed before. `path`: as for `plot`. `ax`: the
+        matplotlib `Axes` to draw on.
+
+        **Returns:** the `Axes`. **Raises:** `ValueError` as `profile` and `plot`.
+        """
+        return _figures().plot_profile(self, name, profile or self.profile(name), path, ax)
 
     def remarks(self) -> list[str]:
         """What a reader must know before trusting the numbers, a sentence each."""
@@ -264,11 +355,13 @@ class Fit:
             ),  # an earlier version wrote no rules
             _report.curve_section(self.curves),
             _report.band_section(self.curves),
+            _report.residual_section(self.curves, self.kind),
             _report.search_section(
                 self.runs, self.best_count, len(self.screened), self.temperatures, self.loss, self.soft_loss
             ),
             _report.correlation_section(u),
             _report.profile_section(more.profiles, free, u),
+            _report.score_section(more.scores, self.parameters),
             _report.left_out_section(more.left_out),
             _report.law_section(more.looming_law, self.curves, more.left_out),
             _report.truth_section(more.truth, free, values, u),
@@ -294,6 +387,20 @@ class Fit:
         return self.observation if name in observation_symbols() else self.model.parameters
 
     def _residuals(self, purpose: str) -> Callable[[Float[Array, " free"]], Float[Array, " n"]]:
-        if self.problem is None:
-            raise ValueError(f"{purpose} needs the targets, which a result folder does not hold; make the fit anew")
-        return chi2_residuals(self.problem, self.temperatures[-1], self.uncertainty.variance)
+        return chi2_residuals(self._problem(purpose), self.temperatures[-1], self.uncertainty.variance)
+
+    def _problem(self, purpose: str) -> Problem:
+        if self.problem is not None:
+            return self.problem
+        if self.data is None:
+            raise ValueError(f"{purpose} needs the stimuli and targets, which this fit does not hold; make it anew")
+        return self._loaded_problem
+
+    @functools.cached_property
+    def _loaded_problem(self) -> Problem:
+        return self.data(self)  # pyright: ignore[reportOptionalCall]
+
+
+def _figures() -> Any:
+    """The functions that draw a fit. They stand above it and know it, so that it finds them by name, when asked."""
+    return importlib.import_module("lgmd2jax._figures.after_fit")

@@ -169,7 +169,7 @@ def test_the_shipped_file_and_rendered_clips():
     file = load_labels("video")
     assert file.clips == ()
     assert file.rendered is not None
-    assert file.rendered == Rendering(file.rendered.count, seed=0, alarm_below_ms=1000, silent_above_ms=2000)
+    assert file.rendered == Rendering(file.rendered.count, world="films", alarm_below_ms=850, silent_above_ms=2000)
 
 
 @pytest.mark.parametrize(

@@ -84,6 +84,13 @@ def test_criteria_follow_lmfit():
     np.testing.assert_allclose(found, (result.aic, result.bic))
 
 
+def test_circuits_with_the_same_answers_are_pointed_out():
+    found = side_by_side(a=small(), b=large(), c=large(recorded(1)))
+    assert found.alike == (("a", "c"),)
+    assert "a and c give the same answers to all of these stimuli" in found.summary()
+    assert side_by_side(a=small(), b=large()).alike == ()
+
+
 def test_parameters_stand_side_by_side_with_what_is_known_of_them():
     a, b = small(), large()
     found = side_by_side(a=a, b=b)

@@ -52,7 +52,7 @@ def test_what_was_written_comes_back(fit, folder):
         lgmd.Eye(8, 10, 8.0, 60.0), l_over_v=20.0, contrast=-0.9, start_ms=-300.0, end_ms=100.0
     )
     np.testing.assert_array_equal(again.predict(stimulus), fit.predict(stimulus))
-    with pytest.raises(ValueError, match="profile needs the targets"):
+    with pytest.raises(ValueError, match="neither holds nor names its stimuli and targets; give them to load_fit"):
         again.profile("tau1")
 
 

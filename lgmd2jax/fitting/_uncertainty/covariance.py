@@ -44,6 +44,7 @@ class Uncertainty:
     outside look small. `n_effective` counts it, since BIC asks how much was asked of the model. With bands -2 ln L is
     chi2 by the errors that were given (a density flat within the band, with Gaussian flanks), and AIC and BIC are chi2
     and their penalties; lmfit's n ln(chi2/n) would ask for the variance of samples of which most have none.
+    Of counts of spikes chi2 is Pearson's, and -2 ln L in AIC and BIC that of the Poisson process.
     - `reason`: empty, or why there are no errors.
     """
 
@@ -84,6 +85,7 @@ def linearised_uncertainty(
     absolute: bool,
     priors: int = 0,
     inside: float | None = None,
+    minus_two_log_likelihood: float | None = None,
 ) -> Uncertainty:
     """Covariance by Gauss and Newton: variance (J^T J)^-1.
 
@@ -95,13 +97,17 @@ def linearised_uncertainty(
     - `n_effective`: how many independent samples the rows make; correlated ones are fractions, weighed as such.
     - `absolute`: errors are known; otherwise the residual variance is their scale.
     - `inside`: how many of the independent samples lie within a band; None where no target is one.
+    - `minus_two_log_likelihood`: where targets are counts, for AIC and BIC; else chi2 stands for it.
     """
     count, data = len(names), len(residuals) - priors
     chi2 = float(np.square(residuals[:data]).sum())
     degrees = n_effective - (inside or 0) - max(count - priors, 0)
     reduced = chi2 / degrees if degrees > 0 else np.nan
     variance = 1.0 if absolute else reduced
-    aic, bic = information_criteria(chi2, n_effective, count, known_errors=inside is not None)
+    if minus_two_log_likelihood is None:
+        aic, bic = information_criteria(chi2, n_effective, count, known_errors=inside is not None)
+    else:
+        aic, bic = information_criteria(minus_two_log_likelihood, n_effective, count, known_errors=True)
 
     on_bound = np.where(z <= _ON_BOUND, -1, np.where(z >= 1 - _ON_BOUND, 1, 0))
     reason = _reason(jacobian, residuals, variance)
@@ -158,7 +164,8 @@ def information_criteria(
 ) -> tuple[float, float]:
     """AIC and BIC of a fit with so many free parameters (as in lmfit).
 
-    **Arguments:** `chi2` and `samples` of independent samples. `known_errors`: their scale is not free.
+    **Arguments:** `chi2` and `samples` of independent samples. `known_errors`: their scale is not free, so that `chi2`
+    counts as -2 ln L.
     """
     if not samples:
         return np.nan, np.nan

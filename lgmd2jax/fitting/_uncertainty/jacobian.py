@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import equinox as eqx
 import jax
+import numpy as np
 from jaxtyping import Array, Float
 
 from lgmd2jax.fitting._problem import Curves, Problem
@@ -28,3 +29,23 @@ def sensitivity_at(problem: Problem, z: Float[Array, " free"], temperature: Floa
 
     (jacobian, slopes), (residuals, curves) = jax.jacfwd(everything, has_aux=True)(z)
     return Sensitivity(residuals, jacobian, curves, slopes)
+
+
+def known_rows(
+    problem: Problem, slopes: Sensitivity
+) -> tuple[Float[np.ndarray, "known free"], Float[np.ndarray, " known"]]:
+    """The Jacobian and the residuals that count, from which errors follow: of counts those of Pearson.
+
+    Their Jacobian J^T J is Fisher's information, and J^T r the slope of half the deviance.
+    """
+    jacobian, residuals, begin = np.array(slopes.jacobian), np.array(slopes.residuals), 0
+    for batch, predicted, by_z in zip(problem.batches, slopes.curves, slopes.slopes, strict=True):
+        for slot, curve, slope in zip(batch.slots, predicted, by_z, strict=True):
+            rows = slice(begin, begin := begin + curve.size)
+            if slot.is_counts:
+                exposure, means = np.asarray(slot.exposure).ravel(), np.asarray(slot.means(curve)).ravel()
+                counts = np.asarray(slot.low).ravel() * exposure
+                residuals[rows] = np.where(exposure > 0, (means - counts) / np.sqrt(means), 0)
+                jacobian[rows] = (exposure / np.sqrt(means))[:, None] * np.asarray(slope).reshape(curve.size, -1)
+    known = problem.known()
+    return jacobian[known], residuals[known]

@@ -9,12 +9,16 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int, Key
+from tqdm import tqdm
 
 from lgmd2jax._compute.fingerprint import fingerprint
 from lgmd2jax._compute.finished_work import Memory
 
 # A start is moved so far into the unit box, and moved about by so much on the unbounded scale.
 _EDGE, _SCATTER = 1e-2, 0.1
+_PIECES = 20  # of the draws of a chain at most, after each of which the bar moves
+
+Residuals = Callable[[Float[Array, " free"]], Float[Array, " n"]]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -37,7 +41,7 @@ class Posterior:
 
 
 def draw_posterior(
-    residuals: Callable[[Float[Array, " free"]], Float[Array, " n"]],
+    residuals: Residuals,
     z: Float[np.ndarray, " free"],
     *,
     key: Key[Array, ""],
@@ -46,6 +50,7 @@ def draw_posterior(
     draws: int = 1000,
     warmup: int = 1000,
     memory: Memory | None = None,
+    progress: bool = False,
 ) -> Posterior:
     """Sample exp(-chi2 / (2 variance)) over the unit box.
 
@@ -72,9 +77,12 @@ def draw_posterior(
     keys, settings = jax.random.split(sampling, chains), (jnp.asarray(variance), draws, warmup)
     digest = "" if memory is None else f" of {fingerprint((residuals, starts, keys, settings))}"
     memory, names = {} if memory is None else memory, [f"chain {number}{digest}" for number in range(chains)]
-    for name, start, own_key in zip(names, starts, keys, strict=True):
-        if name not in memory:
-            memory[name] = [np.asarray(array).tolist() for array in _chain(residuals, start, own_key, *settings)]
+    with tqdm(total=chains * (warmup + draws), unit="step", leave=False, disable=not progress) as bar:
+        for name, start, own_key in zip(names, starts, keys, strict=True):
+            if name in memory:
+                bar.update(warmup + draws)
+            else:
+                memory[name] = _chain(residuals, start, own_key, *settings, bar)
     finished = zip(*(memory[name] for name in names), strict=True)
     x, energy, diverging, rate, depth = (np.array(array) for array in finished)
     x = np.asarray(jax.nn.sigmoid(x))
@@ -89,11 +97,54 @@ def draw_posterior(
     )
 
 
+def _chain(
+    residuals: Residuals,
+    start: Float[Array, " free"],
+    key: Array,
+    variance: Float[Array, ""],
+    draws: int,
+    warmup: int,
+    bar: tqdm,
+) -> list[Any]:
+    """One chain as plain data. Side by side with others it would take the steps of the longest trajectory."""
+    adapting, sampling = jax.random.split(key)
+    state, tuned = _adapted(residuals, start, adapting, variance, warmup)
+    bar.update(warmup)
+    keys, pieces = jax.random.split(sampling, draws), []
+    piece = draws // next(count for count in range(_PIECES, 0, -1) if draws % count == 0)  # of one length: one program
+    for begin in range(0, draws, piece):
+        state, drawn = _drawn(residuals, state, tuned, keys[begin : begin + piece], variance)
+        pieces.append([np.asarray(array) for array in drawn])  # waits until they are there
+        bar.update(len(pieces[-1][0]))
+    return [np.concatenate(arrays).tolist() for arrays in zip(*pieces, strict=True)]
+
+
 @eqx.filter_jit
-def _chain(residuals, start, key, variance, draws: int, warmup: int):
-    """One chain. Side by side with others it would take the steps of the longest trajectory."""
+def _adapted(residuals, start, key, variance, warmup: int):
+    """Where a chain stands after its warm-up, and the step size and mass matrix that suit it."""
     import blackjax
 
+    adaptation: Any = blackjax.window_adaptation(blackjax.nuts, _log_density(residuals, variance))
+    (state, tuned), _ = adaptation.run(key, start, warmup)
+    return state, tuned
+
+
+@eqx.filter_jit
+def _drawn(residuals, state, tuned, keys, variance):
+    """The next draws of a chain, a key each."""
+    import blackjax
+
+    sampler: Any = blackjax.nuts(_log_density(residuals, variance), **tuned)
+
+    def draw(state, key):
+        state, info = sampler.step(key, state)
+        depth = info.num_trajectory_expansions
+        return state, (state.position, info.energy, info.is_divergent, info.acceptance_rate, depth)
+
+    return jax.lax.scan(draw, state, keys)
+
+
+def _log_density(residuals: Residuals, variance: Float[Array, ""]) -> Callable[[Float[Array, " free"]], Any]:
     def log_density(x):
         def exactly(x):
             # d z / d x = z (1 - z) keeps the density that of z.
@@ -105,14 +156,4 @@ def _chain(residuals, start, key, variance, draws: int, warmup: int):
         slope, value = jax.jacfwd(exactly, has_aux=True)(at)
         return value + slope @ (x - at)  # the value and the gradient there, computed forward
 
-    adapting, sampling = jax.random.split(key)
-    adaptation: Any = blackjax.window_adaptation(blackjax.nuts, log_density)
-    (state, tuned), _ = adaptation.run(adapting, start, warmup)
-    sampler: Any = blackjax.nuts(log_density, **tuned)
-
-    def draw(state, key):
-        state, info = sampler.step(key, state)
-        depth = info.num_trajectory_expansions
-        return state, (state.position, info.energy, info.is_divergent, info.acceptance_rate, depth)
-
-    return jax.lax.scan(draw, state, jax.random.split(sampling, draws))[1]
+    return log_density
