@@ -1,7 +1,7 @@
 # %% [markdown]
 # # Your recordings: from the file to alpha, delta and a fitted neuron
-# Spike times in whatever files a laboratory has, CSV, Excel, Matlab, NWB, Neo or an export of Spike2, become trials; the
-# trials tell the law of peak times (collision - peak = alpha l/|v| - delta) without any model, and are what a model is
+# Spike times in whatever files a laboratory has, CSV, Excel, Matlab, NWB, Neo or an export of Spike2, become trials.
+# These tell the law of peak times (collision - peak = alpha l/|v| - delta) without any model, and are what a model is
 # fitted to. Here the files are made up, with alpha 4.4 and delta 18.7 ms, so that the answers are known.
 
 # %%
@@ -42,8 +42,8 @@ for name, header, rows in (
     print((folder / name).read_text()[:120].rpartition("\r\n")[0], "...", sep="\n")
 
 # %% [markdown]
-# Reading them is one call. Names of columns tell what is what, with their units; what a file does not tell is asked for.
-# A unit is never guessed: seconds cannot pass as milliseconds.
+# Reading them is one call. Names of columns tell what is what, with their units; what a file does not tell is asked
+# for. A unit is never guessed: seconds cannot pass as milliseconds.
 
 # %%
 recorded = lgmd.load_trials(folder)
@@ -55,8 +55,8 @@ except ValueError as error:
     print(error)
 
 # %% [markdown]
-# **The law, straight from the data**, as `lgmd2jax looming FOLDER` prints it: each animal by itself and all of them, with
-# intervals by bootstrap over trials, and what quality control took out by which rule.
+# **The law, straight from the data**, as `lgmd2jax looming FOLDER` prints it: each animal by itself and all of them,
+# with intervals by bootstrap over trials, and what quality control took out by which rule.
 
 # %%
 law = recorded.looming_law()
@@ -73,9 +73,9 @@ axes.legend(title="alpha", frameon=False)
 plots.drawn(figure)
 
 # %% [markdown]
-# **What was recorded, and a protocol of it.** `lgmd2jax import` shows what it found and writes the looms as a protocol with
-# the spikes as targets, and the recipe of a fit. What no file can know, such as the frame rate of the screen and the angle
-# at which the loom stopped, is an option, and what is assumed is said.
+# **What was recorded, and a protocol of it.** `lgmd2jax import` shows what it found and writes the looms as a protocol
+# with the spikes as targets, and the recipe of a fit. What no file can know, such as the frame rate of the screen and
+# the angle at which the loom stopped, is an option, and what is assumed is said.
 
 # %%
 options = ["--fps", "60", "--stop-angle", "80", "--contrast", "-0.9", "--background", "200"]
@@ -83,24 +83,25 @@ status = main(["import", "recordings", "-o", "mine", *options])
 Image("mine/trials.png", width=800)
 
 # %% [markdown]
-# **A fit.** `lgmd2jax fit mine/fit.toml` fits the circuit with a shunt to all looms at once; here the same in Python, with
-# fewer parameters and fewer starts.
+# **A fit of every animal.** `lgmd2jax fit mine/fit.toml` fits the circuit with a shunt to each animal by itself; here
+# the same in Python, with fewer parameters and fewer starts. The peaks were 150, 110 and 190 spikes/s, and the
+# gains are to stand in about this ratio.
 
 # %%
 conditions = lgmd.load_protocol("mine/protocol.toml").conditions
 circuit = lgmd.preset("balanced", tau1=15, T_s=3, T_sfa=2e-3, sigma1=0.316, tau2=800, T_ffi=60)
 model = lgmd.LGMD2(circuit, eye=conditions[0].eye, mechanisms=("shunt",))
 free = lgmd.Free(k=(0.05, 3), tau3=lgmd.Log(50, 1500), baseline=(0, 20), gain=(10, 600), latency=(0, 120))
-fit = lgmd.fit(
+animals = lgmd.fit_each(
     model,
     conditions,
     free,
+    by="animal",
     key=jax.random.key(0),
     observation=lgmd.Observation(smoothing=20.0),
     pixel_points=1,
-    cell_points=512,
+    cell_points=256,
     descend=1,
     temperatures=(0.2, 0.05),
 )
-print({curve.condition: round(curve.r2(), 3) for curve in fit.curves})
-print({name: float(f"{value:.3g}") for name, value in fit.values.items()})
+print(animals.summary())

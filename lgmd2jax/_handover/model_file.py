@@ -78,14 +78,18 @@ def document(model: AbstractNetwork, provenance: Mapping[str, Plain] | None = No
 def calibrate(path: str | os.PathLike, name: str, values: Mapping[str, float]) -> None:
     """Put a calibration into a hand-over file, in the place of one of this name; all else stays as it is.
 
+    A file of version 1, which has no calibration, becomes one of version 2.
+
     **Raises:** as `load`, and for values that the file may not hold.
     """
     path = Path(path)
     content = read_json(path)
     with within(f"{path} is not a hand-over file that can be used"):
         check(MODEL_FILE, content)
-        vector = content.pop("test_vector")
-        content |= {"calibration": content.get("calibration", {}) | {name: dict(values)}, "test_vector": vector}
+        head = {"format": hard.FORMAT, "version": hard.VERSION, "network": content.get("network", LGMD2.__name__)}
+        calibration = content.get("calibration", {}) | {name: dict(values)}
+        others = {key: value for key, value in content.items() if key not in (*head, "calibration", "test_vector")}
+        content = head | others | {"calibration": calibration, "test_vector": content["test_vector"]}
         check(MODEL_FILE, content)
     _write(content, path)
 

@@ -23,7 +23,7 @@ _FIT = """\
 # A fit of the LGMD's circuit to the recordings: {fit}
 protocol = "protocol.toml"
 kind = "fit"
-preset = "balanced"    # ON and OFF alike, as the DCMD's input
+{by}preset = "balanced"    # ON and OFF alike, as the DCMD's input
 
 [structure]
 mechanisms = ["shunt"] # for the exponent of the excitation: the recorded rate begins slowly, as a power of the drive
@@ -95,7 +95,12 @@ def write_import(
             ["# The recorded looms: what was shown, and the spikes that a model is fitted to.", eye, *conditions]
         )
         (temporary / MARKER).write_text(text, encoding="utf-8")
-        text = _FIT.format(fit=f"lgmd2jax fit {folder / RECIPE}", kernel_ms=kernel_ms)
+        by = (
+            'by = "animal"          # without this line one fit to the mean of all animals\n'
+            if len(accepted.animals) > 1
+            else ""
+        )
+        text = _FIT.format(fit=f"lgmd2jax fit {folder / RECIPE}", by=by, kernel_ms=kernel_ms)
         (temporary / RECIPE).write_text(text, encoding="utf-8")
         trials_figure(temporary / _FIGURE, trials, kernel_ms)
 

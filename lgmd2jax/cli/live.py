@@ -112,7 +112,14 @@ def _model(options: argparse.Namespace) -> tuple[LGMD2, hard.HardLGMD2]:
     """The model as the library has it, and as the robot's program, which answers soonest: it wakes no other thread."""
     model = as_lgmd2(with_parameters(model_named(options.model), options.set))
     path: Path | None = model_file(options.model)
-    return model, as_hard(model) if path is None or options.set else hard.load(path)
+    if path is None:
+        return model, as_hard(model)
+    program = hard.load(path)
+    if not options.set:
+        return model, program
+    if program.urgency is not None:
+        print("lgmd2jax: warning: the urgency was calibrated without --set, and is left out", file=sys.stderr)
+    return model, as_hard(model)
 
 
 def _summary(source: str, tally: Tally, dropped: int) -> Iterator[str]:

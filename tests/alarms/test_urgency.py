@@ -176,6 +176,21 @@ def test_it_stands_in_the_file_and_all_else_stays(path):
     np.testing.assert_allclose(hard.load(path)(frames).urgency, expected, rtol=1e-10)
 
 
+def test_a_file_of_version_1_becomes_one_of_version_2(tmp_path):
+    path = tmp_path / "model.json"
+    shutil.copy(ROOT / "tests/golden/model_v1.json", path)
+    before, frames = json.loads(path.read_text()), clips.noise(0, (6, 5, 7))
+    expected = hard.load(path)(frames, 30.0)
+    URGENCY.save(path)
+    after = json.loads(path.read_text())
+    assert (before["version"], after["version"], after["network"]) == (1, 2, "LGMD2")
+    assert all(after[key] == before[key] for key in before if key != "version")
+    found = hard.load(path)(frames, 30.0)
+    np.testing.assert_array_equal(found.smp_adapted, expected.smp_adapted)
+    assert np.isfinite(found.urgency).all()
+    assert alarms.load_urgency(path) == URGENCY
+
+
 @pytest.mark.parametrize("load", [hard.load, lgmd.load, alarms.load_urgency])
 @pytest.mark.parametrize(
     "wrong",

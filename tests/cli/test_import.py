@@ -49,6 +49,7 @@ def test_the_recipe_can_be_run(folder):
     assert isinstance(recipe, lgmd.Recipe)
     assert len(recipe.pairs) == len(SPEEDS)
     assert "latency" in recipe.free.names
+    assert list(recipe.animals) == ["A", "B"]
 
 
 def test_it_says_what_was_found_and_what_is_assumed(folder, tmp_path, capsys):

@@ -3,6 +3,7 @@
 import csv
 import io
 import os
+import pathlib
 import re
 import signal
 import socket
@@ -14,7 +15,7 @@ import numpy as np
 import pytest
 
 import lgmd2jax as lgmd
-from lgmd2jax import hard
+from lgmd2jax import alarms, hard
 from lgmd2jax._handover.model_file import as_hard
 from lgmd2jax._video.live_source import Arrival
 from lgmd2jax._video.orientation import Window
@@ -24,6 +25,7 @@ from lgmd2jax.cli.live_view import Screen
 from tests.cli.streams import av, over_tcp, over_udp
 from tests.videos import write_video
 
+ROOT = pathlib.Path(__file__).parents[2]
 ROWS, COLS = 32, 48
 
 
@@ -141,6 +143,20 @@ def test_a_camera_is_opened_by_its_number(place, monkeypatch, capsys):
     assert main(["live", "/dev/video2"]) == 0
     assert asked == [("/dev/video0", "v4l2"), ("/dev/video2", "v4l2")]
     assert "source   0: " in capsys.readouterr().out
+
+
+def test_the_urgency_of_the_model_is_told_but_not_with_other_parameters(place, monkeypatch, capsys):
+    (place / "model.json").write_bytes((ROOT / "fits/twin/model.json").read_bytes())
+    alarms.Urgency(500.0, 150.0, -1.0, 4.0, 2.0, -3.0, 1.5).save(place / "model.json")
+    write_video(place / "film.mkv", looms(20))
+    real = av.open
+    monkeypatch.setattr(av, "open", lambda *_, **__: real("film.mkv"))
+    for changes, told in ([], True), (["--set", "T_sp=.7"], False):
+        assert main(["live", "0", "--model", "model.json", "--csv", "a.csv", *changes]) == 0
+        said = capsys.readouterr()
+        assert ("urgency was calibrated without --set" in said.err) != told
+        assert ("urgency 0." in said.out) == told
+        assert (table("a.csv")[-1]["urgency"] != "nan") == told
 
 
 # Frames are dropped rather than delayed, and the model knows how long it was

@@ -36,6 +36,7 @@ def test_a_fit_gets_every_animal_with_all_its_trials_also_the_silent_ones():
     trains = lgmd.Trials((trial(), trial(name="2", spikes=()), trial("B", spikes=(1.0, 2.0)))).spike_trains(30)
     assert [[np.asarray(train).tolist() for train in animal] for animal in trains.trials] == [[[-50], []], [[1, 2]]]
     assert trains.kernel_ms == 30
+    assert trains.animals == ("A", "B")
 
 
 def test_silence_before_an_approach_can_be_fitted():
