@@ -155,7 +155,7 @@ def _condition(
         told_here = isinstance(condition.get(name), float)
         value = condition[name] if told_here else screen[name]
         lines.append(f"{name} = {value:g}{'' if told_here else _remark(name, assumed)}")
-    earliest = -_LEAD_SPEEDS * condition["l_over_v"] - _LEAD_MS
+    earliest = -_LEAD_SPEEDS * float(condition["l_over_v"]) - _LEAD_MS
     lines.append(f"start_ms = {max(earliest, *(trial.start_ms for trial in trials)):g}")
     lines.append(f"end_ms = {min(_LAST_MS, *(trial.end_ms for trial in trials)):g}")
     lines.append(f'[[condition.target]]\nspikes = "{target}"\nkernel_ms = {kernel_ms:g}\n')
