@@ -4,6 +4,7 @@ python -m benchmarks.twins --count 100           soft targets at temperature 1: 
 python -m benchmarks.twins --hard --count 20     hard targets: the handed-over hard model must give the same curves
 python -m benchmarks.twins --noise .002 --count 200   noise: 95 % intervals must cover the truth
 python -m benchmarks.twins --mechanisms ...      the same of the circuit with all mechanisms, with their parameters
+python -m benchmarks.twins --many ...            from 15 conditions instead of 5, which determine more parameters
 """
 
 import argparse
@@ -96,6 +97,32 @@ def stimuli(eye: lgmd.Eye) -> list[lgmd.Stimulus]:
     ]
 
 
+def many_stimuli(eye: lgmd.Eye) -> list[lgmd.Stimulus]:
+    """These and ten more, of other contrasts and speeds, and changes of light: what determines the mechanisms too."""
+    later: dict[str, Any] = {"start_ms": -300.0, "end_ms": 1666.0}
+    show = lgmd.stimuli
+
+    def loom(l_over_v: float, contrast: float, background: float = 200.0) -> lgmd.Stimulus:
+        approach: dict[str, Any] = {"start_angle": 4.0, "start_ms": -1600.0, "end_ms": 366.0}
+        return show.looming(eye, l_over_v=l_over_v, contrast=contrast, background=background, **approach)
+
+    def translation(speed: float, contrast: float) -> lgmd.Stimulus:
+        path: dict[str, Any] = {"size": 10.0, "start": -50.0, "stop": 50.0}
+        return show.translating(eye, speed=speed, contrast=contrast, background=200.0, **path, **later)
+
+    faint: dict[str, Any] = {"spatial_frequency": 0.02, "temporal_frequency": 1.0, "contrast": 0.1}
+    return [
+        *stimuli(eye),
+        *(loom(*each) for each in ((30.0, -0.9), (120.0, -0.9), (60.0, -0.3), (60.0, -0.1), (30.0, 4.0, 40.0))),
+        *(translation(*each) for each in ((20.0, -0.3), (200.0, -0.9))),
+        show.grating(eye, background=110.0, duration_ms=1000.0, **faint, **later),
+        *(
+            show.luminance(eye, level=level, background=200.0, fraction=fraction, ramp_ms=0.0, **later)
+            for level, fraction in ((100.0, 0.25), (195.0, 1.0))
+        ),
+    ]
+
+
 def eye_of(degrees_per_pixel: float) -> lgmd.Eye:
     """The field of 96 x 128 degrees at 30 fps."""
     return lgmd.Eye(round(96 / degrees_per_pixel), round(128 / degrees_per_pixel), degrees_per_pixel, 30.0)
@@ -182,13 +209,15 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--hard", action="store_true", help="hard targets")
     parser.add_argument("--mechanisms", action="store_true", help="the circuit with all mechanisms")
+    parser.add_argument("--many", action="store_true", help="15 conditions instead of 5")
     parser.add_argument("--noise", type=float, help="standard deviation of noise on the potential: coverage")
     parser.add_argument("--count", type=int, default=20, help="parameter sets (default: %(default)s)")
     parser.add_argument("--first", type=int, default=0, help="seed of the first one (default: %(default)s)")
     parser.add_argument("--degrees-per-pixel", type=float, default=4.0, help="raster (default: %(default)s)")
     options = parser.parse_args()
     jax.config.update("jax_enable_x64", True)
-    shown, circuit = stimuli(eye_of(options.degrees_per_pixel)), WITH_MECHANISMS if options.mechanisms else PLAIN
+    circuit = WITH_MECHANISMS if options.mechanisms else PLAIN
+    shown = (many_stimuli if options.many else stimuli)(eye_of(options.degrees_per_pixel))
     seeds = tqdm(range(options.first, options.first + options.count), unit="twin")
     if options.noise:
         pairs = np.array([covered(seed, options.noise, shown, circuit, **SEARCH) for seed in seeds])
