@@ -50,7 +50,7 @@ class Measured:
     @property
     def window(self) -> Bool[np.ndarray, " step"]:
         """Which of them lie in a window before a contact."""
-        return self.clip.in_windows().any(axis=0)[1:]
+        return self.clip.in_windows()[:, 1:].any(axis=0)
 
     @property
     def silence(self) -> Bool[np.ndarray, " step"]:

@@ -143,7 +143,12 @@ def test_the_share_of_a_sentence_is_that_of_its_samples_within_the_band():
     pairs = [(stimuli[0], [first.on(stimuli[0])]), (stimuli[1], [first.on(stimuli[1]), second.on(stimuli[1])])]
     problem = problem_of(model, lgmd.Observation(), lgmd.Free(w_bias=None, T_sp=None), pairs, "squares")
     own = problem.free.place(model.parameters, lgmd.Observation())
-    kept = words.kept_by(problem, words.sentences_of(problem, pairs), jnp.asarray(own), jnp.asarray(own[None, list(problem.cell_indices)]))
+    kept = words.kept_by(
+        problem,
+        words.sentences_of(problem, pairs),
+        jnp.asarray(own),
+        jnp.asarray(own[None, list(problem.cell_indices)]),
+    )
     expected = np.mean((low <= both) & (both <= high)), 0.0
     np.testing.assert_allclose(kept.share[0], expected, atol=1e-9)
     outside = np.maximum(low - both, both - high).max(), part.max() + 0.01 - part.min()

@@ -316,12 +316,12 @@ def test_what_is_compared_with_change_per_time_stays_at_another_rate(fps):
     kept = {name: float(getattr(other.parameters, name)) for name in ("T_ffi", "k", "T_s", "T_sfa")}
     assert kept == pytest.approx({"T_ffi": 9.0, "k": 0.7, "T_s": 300 / fps, "T_sfa": 0.03 / fps})
 
-    def edge(fps):
+    def edge(rate):
         """It crosses 60 pixels a second, whole ones in a frame at both rates."""
-        place = 60 / fps * np.arange(round(fps))
+        place = 60 / rate * np.arange(round(rate))
         return np.where(np.arange(200.0) < place[:, None, None], 50.0, np.full((1, 5, 1), 200.0))
 
-    one, many = (float(own(edge(own.eye.fps)).ffi[-1]) for own in (model, other))
+    one, many = (float(own(edge(rate), rate).ffi[-1]) for own, rate in ((model, 30.0), (other, fps)))
     assert many == pytest.approx(one, rel=1e-6)
     assert one == pytest.approx(150 * 60 / 200 / 30, rel=1e-6)
 
