@@ -30,8 +30,9 @@ SUPERSEDED = {
     "model_files": ("/keys",),  # version 2 names its network
     "fit_hard": ("confidence", "summary"),  # was always .95; reports grade the targets
     # Widths of mechanisms that came later, version 2 of the model, the rules of samples and errors, digests of stimuli,
-    # in the table of curves the error of each frame, grades of targets, and what of a fit is still to come.
-    "fit_soft_and_its_files": ("confidence", "/keys", "curves.csv/header", "report.txt", "summary"),
+    # in the table of curves the error of each frame, grades of targets, what of a fit is still to come, and beside the
+    # other files the data that were fitted.
+    "fit_soft_and_its_files": ("confidence", "/keys", "curves.csv/header", "files", "report.txt", "summary"),
     "files_of_version_1": ("confidence", "summary"),
     "alarms_fitted": ("summary",),  # Table I is scored with its own N_ts
     # The error over few animals is drawn towards the Poisson error; values further apart than the frames count once.
