@@ -291,15 +291,16 @@ def _pool(processes: int | None, client: "Client | None") -> Iterator[Run]:
     if client is not None:
         executor: Any = checked_client(client).get_executor(pure=False)
         first = (_on_worker, running_versions())
+        stop: dict[str, bool] = {"wait": False}  # which cancels what has not ended
     else:
         cores = max((os.cpu_count() or 1) // (processes or 1), 1)
         context = multiprocessing.get_context("spawn")  # a fork of a process with XLA's threads would hang
         executor = ProcessPoolExecutor(processes, context, _begin_process, (cores,))
-        first = ()
+        first, stop = (), {"cancel_futures": True}
     try:
         yield lambda *task: executor.submit(*first, *task).result
     finally:
-        executor.shutdown(cancel_futures=True)
+        executor.shutdown(**stop)
 
 
 def _begin_process(cores: int) -> None:
