@@ -6,7 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from lgmd2jax._figures.style import BLUE, GREY, drawn
-from lgmd2jax._trials.peak_line import Interval, LoomingEstimate, PeakTimes
+from lgmd2jax._reports.interval import Interval
+from lgmd2jax._trials.peak_line import LoomingEstimate, PeakTimes
 
 
 def looming_figure(path: str | os.PathLike, law: LoomingEstimate) -> None:

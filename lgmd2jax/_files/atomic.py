@@ -4,7 +4,7 @@ import contextlib
 import json
 import os
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -35,6 +35,21 @@ def replaced(path: str | os.PathLike) -> Iterator[Path]:
         os.replace(temporary, path)
     finally:
         temporary.unlink(missing_ok=True)
+
+
+@contextlib.contextmanager
+def all_replaced(paths: Iterable[Path | None]) -> Iterator[dict[Path, Path]]:
+    """The temporary path of each of several files, as of `replaced`; None is a file that nobody wants.
+
+    **Raises:** `ValueError` as `replaced`.
+    """
+    with contextlib.ExitStack() as stack:
+        yield {path: stack.enter_context(replaced(path)) for path in paths if path is not None}
+
+
+def write_json(path: Path, content: Any) -> None:
+    """Write plain data as JSON, which knows no NaN."""
+    path.write_text(json.dumps(content, indent=1, allow_nan=False) + "\n", encoding="utf-8")
 
 
 def read_toml(path: Path) -> dict[str, Any]:

@@ -1,12 +1,11 @@
 """A folder of results that appears as soon as there is a model, and to which figures and later parts are added."""
 
 import dataclasses
-import json
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from lgmd2jax._files.atomic import read_json
+from lgmd2jax._files.atomic import read_json, write_json
 from lgmd2jax._files.folder import replaced_folder
 from lgmd2jax._reports.page import report_page
 from lgmd2jax._reports.section import Section, as_html, as_text
@@ -62,8 +61,7 @@ class ResultsFolder:
             self._write(documents, new, [self.path / name for name in self.figures])
 
     def _write(self, documents: Documents, folder: Path, figures: Sequence[Path]) -> None:
-        content = json.dumps(documents.content, indent=1, allow_nan=False)
-        (folder / MARKER).write_text(content + "\n", encoding="utf-8")
+        write_json(folder / MARKER, documents.content)
         (folder / "report.txt").write_text(as_text(documents.sections) + "\n", encoding="utf-8")
         page = report_page(self.title, figures, as_html(documents.sections))
         (folder / "report.html").write_text(page, encoding="utf-8")

@@ -1,11 +1,10 @@
 """The urgency of a fitted model: in its hand-over file, with a diagram and the numbers that say whether it holds."""
 
 import dataclasses
-import json
 from collections.abc import Sequence
 from pathlib import Path
 
-from lgmd2jax._files.atomic import replaced
+from lgmd2jax._files.atomic import replaced, write_json
 from lgmd2jax._handover.model_file import load
 from lgmd2jax._results.fit_json import plain
 from lgmd2jax.alarms import LabelledClip, Reliability, fit_urgency
@@ -31,7 +30,7 @@ def add_urgency(
     content = {"urgency": dataclasses.asdict(urgency), "held_out": plain(dataclasses.asdict(found))}
     numbers, diagram = (folder / name for name in URGENCY_FILES)
     with replaced(numbers) as table, replaced(diagram) as figure:
-        table.write_text(json.dumps(content, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+        write_json(table, content)
         reliability_figure(figure, found, urgency.within_ms)
         urgency.save(path)
     return _summary(found, within_ms)

@@ -8,23 +8,12 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
+from lgmd2jax._reports.interval import Interval
 from lgmd2jax._signals import line_through, vertex
 from lgmd2jax._trials.quality import RULE, Excluded, Rates, judged
 from lgmd2jax._trials.trial import Trial
 
 _CONFIDENCE = 0.95
-
-
-@dataclasses.dataclass(frozen=True)
-class Interval:
-    """A value with its 95 % interval."""
-
-    value: float
-    low: float
-    high: float
-
-    def __str__(self):
-        return f"{self.value:.3g} ({self.low:.3g} to {self.high:.3g})"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -47,8 +36,8 @@ class PeakTimes:
 
     def plain(self) -> dict[str, Any]:
         """As in a JSON file."""
-        content = dataclasses.asdict(self)
-        return content | {"peak_ms": {f"{speed:g}": peak for speed, peak in self.peak_ms.items()}}
+        intervals = {name: getattr(self, name)._asdict() for name in ("alpha", "delta_ms", "threshold_angle_deg")}
+        return vars(self) | intervals | {"peak_ms": {f"{speed:g}": peak for speed, peak in self.peak_ms.items()}}
 
 
 @dataclasses.dataclass(frozen=True, repr=False)

@@ -8,13 +8,7 @@ import numpy as np
 import scipy
 from jaxtyping import Float, Int
 
-
-class Share(NamedTuple):
-    """A share or a rate with its 95 % interval."""
-
-    value: float
-    low: float
-    high: float
+from lgmd2jax._reports.interval import Interval as Share
 
 
 class Score(NamedTuple):

@@ -130,14 +130,14 @@ def fit(
         stopped = work.stop.is_set()
     winner = min([*best.values(), *descents.values()], key=risk)
     recorded_clips = [clip for clip in clips if clip.source is not None]
-    names = list(sources)
+    names, fitted = list(sources), _model_at(model, free, winner)
     return AlarmFit(
-        model=_model_at(model, free, winner),
+        model=fitted,
         free=free,
         z=np.array(winner.z),
         cost=winner.cost,
         margin=winner.margin,
-        evaluation=evaluate(_model_at(model, free, winner), clips),
+        evaluation=evaluate(fitted, clips),
         screened=sum(screening.count for screening in anywhere.values()),
         right=sum(screening.right for screening in anywhere.values()),
         ranges=_ranges(problem, tuple(anywhere.values())),

@@ -9,6 +9,6 @@ from ._detectors import (
 from ._drive import Pose as Pose, Trip as Trip, drive as drive
 from ._layout import Layout as Layout, random_layout as random_layout
 from ._run import Start as Start, run as run, trips as trips
-from ._scores import Estimate as Estimate, Outcome as Outcome
+from ._scores import Outcome as Outcome
 from ._settings import detectors as detectors
 from ._training import Training as Training, train as train

@@ -10,6 +10,8 @@ import math
 import numpy as np
 from jaxtyping import Bool, Float
 
+from lgmd2jax.stimuli._camera import FLICKER, FLICKER_HZ, NOISE
+
 SIDE_CM = 110.0
 ROBOT_RADIUS_CM = 2.0
 FEWEST, MOST = 10, 20  # obstacles
@@ -17,8 +19,6 @@ OBSTACLE_RADIUS_CM = 2.5, 4.0
 GAP_CM = 8.0  # at least, between obstacles and from them to the walls: two robots pass
 HEIGHT_CM = 20.0  # of walls and obstacles
 
-# The camera and the light, as of the clips of `stimuli.encounters`: noise in grey levels, flicker as a share of light.
-NOISE, FLICKER, FLICKER_HZ = (0.5, 3.0), (0.0, 0.02), (100.0, 120.0)
 PATCH_CM = 2.0
 WHITE, DARK = 200.0, (60.0, 140.0)  # grey levels
 DARK_SHARE = 0.5  # of the patches

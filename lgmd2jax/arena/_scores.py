@@ -2,28 +2,17 @@
 
 import dataclasses
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Int
 
+from lgmd2jax._reports.interval import Interval
 from lgmd2jax.arena._drive import Trip
 from lgmd2jax.arena._layout import SIDE_CM, Layout
 
 CELL_CM = 5.0  # about the robot
-_RESAMPLES, _INTERVAL = 4000, (2.5, 97.5)  # percentiles
+_RESAMPLES, _ENDS = 4000, (2.5, 97.5)  # percentiles
 _CELLS = round(SIDE_CM / CELL_CM)
-
-
-class Estimate(NamedTuple):
-    """A value with its 95 % interval, by bootstrap over arenas."""
-
-    value: float
-    low: float
-    high: float
-
-    def __str__(self):
-        return f"{self.value:.3g} ({self.low:.3g} to {self.high:.3g})"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -51,20 +40,20 @@ class Outcome:
         )
 
     @property
-    def collisions_per_metre(self) -> Estimate:
+    def collisions_per_metre(self) -> Interval:
         """All contacts by all metres."""
         return _bootstrap(len(self.metres), self._rate)
 
     @property
-    def coverage(self) -> Estimate:
+    def coverage(self) -> Interval:
         """Mean share of the free floor's cells that were visited in the time of a trip."""
         return _bootstrap(len(self.metres), self._visited)
 
-    def collisions_by(self, other: "Outcome") -> Estimate:
+    def collisions_by(self, other: "Outcome") -> Interval:
         """Collisions per metre by those of another detector in the same arenas; NaN where neither has any."""
         return _bootstrap(len(self.metres), lambda arenas: self._rate(arenas) / other._rate(arenas))
 
-    def coverage_by(self, other: "Outcome") -> Estimate:
+    def coverage_by(self, other: "Outcome") -> Interval:
         """Coverage by that of another detector in the same arenas."""
         return _bootstrap(len(self.metres), lambda arenas: self._visited(arenas) / other._visited(arenas))
 
@@ -84,11 +73,11 @@ def share_visited(layout: Layout, places: Float[np.ndarray, "time 2"]) -> float:
     return float((visited & free).sum() / free.sum())
 
 
-def _bootstrap(count: int, statistic: Callable[[np.ndarray], np.ndarray]) -> Estimate:
+def _bootstrap(count: int, statistic: Callable[[np.ndarray], np.ndarray]) -> Interval:
     """The statistic of arenas by number, and its interval where arenas are drawn with replacement."""
     drawn = np.random.default_rng(0).integers(count, size=(_RESAMPLES, count))
     with np.errstate(divide="ignore", invalid="ignore"):
         value, resampled = statistic(np.arange(count)), statistic(drawn)
     known = resampled[np.isfinite(resampled)]
-    low, high = np.percentile(known, _INTERVAL) if known.size else (np.nan, np.nan)
-    return Estimate(float(value), float(low), float(high))
+    low, high = np.percentile(known, _ENDS) if known.size else (np.nan, np.nan)
+    return Interval(float(value), float(low), float(high))

@@ -1,13 +1,11 @@
 """`lgmd2jax arena`: robots that drive by the alarms of models."""
 
 import argparse
-import contextlib
-import json
 
 import jax
 from tqdm import tqdm
 
-from lgmd2jax._files.atomic import replaced
+from lgmd2jax._files.atomic import all_replaced, write_json
 from lgmd2jax._handover.named import model_named
 from lgmd2jax.arena import Outcome, detectors, run as drive_robots
 from lgmd2jax.cli.all_cores import use_all_cores
@@ -30,8 +28,7 @@ def run(options: argparse.Namespace) -> None:
     use_all_cores()
     known = detectors(None if options.model is None else model_named(options.model))
     outputs = [path for path in (options.json, options.figure) if path is not None]
-    with contextlib.ExitStack() as stack:
-        files = {path: stack.enter_context(replaced(path)) for path in outputs}
+    with all_replaced(outputs) as files:
         outcomes, seeds = {}, range(options.seeds)
         for name, detector in tqdm(known.items(), desc="detectors", leave=False):
             layouts, trips = drive_robots(detector, seeds, turn=options.turn, seconds=options.seconds)
@@ -44,7 +41,7 @@ def run(options: argparse.Namespace) -> None:
                 trajectories_figure(files[options.figure], layouts[:_DRAWN], first, title)
         if options.json:
             content = {"detectors": {name: _plain(outcome) for name, outcome in outcomes.items()}}
-            files[options.json].write_text(json.dumps(content, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+            write_json(files[options.json], content)
     print("\n".join(_table(outcomes)))
     if outputs:
         print("wrote " + ", ".join(str(path) for path in outputs))

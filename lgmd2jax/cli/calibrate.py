@@ -1,15 +1,12 @@
 """`lgmd2jax calibrate RECIPE`: the probability of contact for a model that was fitted to labelled clips."""
 
 import argparse
-from collections.abc import Iterable
-
-from tqdm import tqdm
 
 from lgmd2jax._files.lock import locked
 from lgmd2jax._results.results_folder import MARKER
 from lgmd2jax._results.urgency import URGENCY_FILES, add_urgency
 from lgmd2jax.alarms import load_recipe
-from lgmd2jax.cli.recipe_results import folder_of
+from lgmd2jax.cli.recipe_results import clips_bar, folder_of
 
 _WITHIN_MS = 500.0
 
@@ -24,10 +21,6 @@ def run(options: argparse.Namespace) -> None:
         raise ValueError(f"{options.recipe} has no [validation]: nothing would say whether the urgency holds; add it")
     within_ms = options.within_ms if options.within_ms is not None else recipe.within_ms or _WITHIN_MS
     with locked(folder):
-        said = add_urgency(folder, recipe.file.load(_bar), recipe.held_out(), within_ms)
+        said = add_urgency(folder, recipe.file.load(clips_bar), recipe.held_out(), within_ms)
     print(said)
     print(f"wrote {folder}/model.json, {', '.join(URGENCY_FILES)}")
-
-
-def _bar(jobs: Iterable) -> Iterable:
-    return tqdm(jobs, "clips", unit="source", leave=False, disable=None)

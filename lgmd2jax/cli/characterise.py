@@ -1,16 +1,14 @@
 """`lgmd2jax characterise MODEL ...`: the response properties of models, side by side."""
 
 import argparse
-import contextlib
 import dataclasses
-import json
 
 import jax
 
 from lgmd2jax._characterise import Characterisation, ablations, characterise, differences, rasters
 from lgmd2jax._characterise.result import table
 from lgmd2jax._eye import Eye
-from lgmd2jax._files.atomic import replaced
+from lgmd2jax._files.atomic import all_replaced, write_json
 from lgmd2jax._handover.named import model_file, model_named
 from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.variants import at_frame_rate
@@ -37,12 +35,11 @@ def run(options: argparse.Namespace) -> None:
         check_figure_path(options.figure)
     models = {name: _named(name, options.intervals) for name in options.models}
     outputs = [path for path in (options.json, options.figure) if path is not None]
-    with contextlib.ExitStack() as stack:
-        files = {path: stack.enter_context(replaced(path)) for path in outputs}
+    with all_replaced(outputs) as files:
         results, remarks = _examined(models, options)
         if options.json:
             content = {"models": {name: result.plain() for name, result in results.items()}, "remarks": remarks}
-            files[options.json].write_text(json.dumps(content, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+            write_json(files[options.json], content)
         if options.figure:
             characterisation_figure(files[options.figure], results)
     print("\n".join([table(results), *(["", *remarks] if remarks else [])]))

@@ -1,9 +1,8 @@
 """`lgmd2jax compare FIT FIT ...`: fits to the same data side by side."""
 
 import argparse
-import contextlib
 
-from lgmd2jax._files.atomic import replaced
+from lgmd2jax._files.atomic import all_replaced
 from lgmd2jax._results.comparison import compare, write_csv, write_json
 
 
@@ -16,8 +15,7 @@ def run(options: argparse.Namespace) -> None:
         check_figure_path(options.figure)
     writers = {options.json: write_json, options.csv: write_csv, options.figure: comparison_figure}
     writers.pop(None, None)
-    with contextlib.ExitStack() as stack:
-        files = {path: stack.enter_context(replaced(path)) for path in writers}
+    with all_replaced(writers) as files:
         comparison = compare(options.fits, properties=options.properties, progress=True)
         for path, write in writers.items():
             write(files[path], comparison)

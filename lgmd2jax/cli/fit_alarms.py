@@ -3,11 +3,10 @@
 import argparse
 import importlib.util
 import time
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
-from tqdm import tqdm
 
 from lgmd2jax._files.folder import check_folder
 from lgmd2jax._results.alarm_folder import AlarmFolder
@@ -26,7 +25,7 @@ from lgmd2jax.alarms import (
     load_labels,
 )
 from lgmd2jax.alarms._detectors import MODEL, TABLE_I, WORDS
-from lgmd2jax.cli.recipe_results import folder_of, kept_work, records, write_stopped
+from lgmd2jax.cli.recipe_results import clips_bar, folder_of, kept_work, records, write_stopped
 
 _HELD_OUT = "the scores on clips that the fit did not see"
 _WITHOUT = "Each source of recorded clips, judged by what was fitted without it"
@@ -50,7 +49,7 @@ def run(options: argparse.Namespace, recipe: AlarmRecipe, start: float) -> None:
     check_folder(folder, MARKER)
     # First, so that wrong labels show before the others are rendered.
     own = () if options.clips is None else _own_clips(options.clips, recipe)
-    clips = own if options.clips_only else (*recipe.file.load(_bar), *own)
+    clips = own if options.clips_only else (*recipe.file.load(clips_bar), *own)
     if own and not options.clips_only:
         recipe = recipe.weighing(options.clips_weight or recipe.weights.get("recorded", 1))
     digest = recipe.digest(clips)
@@ -59,7 +58,7 @@ def run(options: argparse.Namespace, recipe: AlarmRecipe, start: float) -> None:
         print(f"fitting {', '.join(recipe.free.names)} to {len(clips)} clips with {alarms} alarms wanted", flush=True)
         if not any(clip.silent for clip in clips):
             print("no clip has a silence: nothing here speaks against a model that always fires", flush=True)
-        fit, scores = recipe.run(clips, progress=True, memory=memory), None
+        fit = recipe.run(clips, progress=True, memory=memory)
         left = [_HELD_OUT] if recipe.validation is not None or fit.without else []
         notes, provenance = records(recipe, digest, start, folder)
         results = AlarmFolder(fit, folder, recipe.name, notes)
@@ -68,11 +67,12 @@ def run(options: argparse.Namespace, recipe: AlarmRecipe, start: float) -> None:
             write_stopped(folder, lambda: results.begin([SEARCH, *left], provenance), fit.summary())
         results.begin(left, provenance)
         results.draw(left)
-        scores, comparisons = _comparisons(recipe, fit, clips)
+        held_out = recipe.held_out()
+        scores, comparisons = _comparisons(fit, clips, held_out)
         if left:
             results.add(scores, comparisons)
         if recipe.within_ms is not None:
-            print(add_urgency(folder, clips, recipe.held_out(), recipe.within_ms))
+            print(add_urgency(folder, clips, held_out, recipe.within_ms))
     print(fit.summary(scores, comparisons))
     print(f"\nwrote {folder}/ in {time.monotonic() - start:.0f} s; open {folder}/report.html")
 
@@ -84,19 +84,18 @@ def _own_clips(path: Path, recipe: AlarmRecipe) -> tuple[LabelledClip, ...]:
         value, expected = getattr(file.eye, name), getattr(eye, name)
         if value != expected:
             raise ValueError(f"{path} has {name} = {value}, the recipe's clips have {expected}; use one eye for both")
-    return file.load(_bar)
+    return file.load(clips_bar)
 
 
 def _comparisons(
-    recipe: AlarmRecipe, fit: AlarmFit, clips: Sequence[LabelledClip]
+    fit: AlarmFit, clips: Sequence[LabelledClip], held_out: Sequence[LabelledClip]
 ) -> tuple[HeldOutScores | None, dict[str, Comparison]]:
     """The fitted model beside the paper's and plain detectors: on clips that no fit saw, and source by source.
 
     Where no silence says how often a detector may alarm, there is no comparison.
     """
     scores, comparisons = None, {}
-    if recipe.validation is not None:
-        held_out = recipe.held_out()
+    if held_out:
         shown = {MODEL: evaluate(fit.model, held_out), **_others(held_out, fit)}
         scores = HeldOutScores.of({"fitted": shown[MODEL], **{WORDS[name]: shown[name] for name in TABLE_I}})
         words, training = _training(fit, clips)
@@ -130,7 +129,3 @@ def _detectors(evaluations: Mapping[str, Evaluation]) -> dict[str, Detector]:
 def _others(clips: Sequence[LabelledClip], fit: AlarmFit) -> dict[str, Evaluation]:
     """What the detectors do that the model is compared with; without OpenCV that of the optical flow is left out."""
     return detectors(clips, fit.model, flow=importlib.util.find_spec("cv2") is not None)
-
-
-def _bar(jobs: Iterable) -> Iterable:
-    return tqdm(jobs, "clips", unit="source", leave=False, disable=None)

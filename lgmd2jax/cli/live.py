@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from lgmd2jax import hard
-from lgmd2jax._files.atomic import replaced
+from lgmd2jax._files.atomic import all_replaced
 from lgmd2jax._handover.model_file import as_hard, as_lgmd2
 from lgmd2jax._handover.named import model_file, model_named, with_parameters
 from lgmd2jax._network.lgmd2 import LGMD2
@@ -40,7 +40,7 @@ def run(options: argparse.Namespace) -> None:
     cols = options.resize or (_COLS if model.eye is None else model.eye.cols)
     tally, failure = Tally(), None
     with contextlib.ExitStack() as stack:
-        files = {path: stack.enter_context(replaced(path)) for path in outputs}
+        files = stack.enter_context(all_replaced(outputs))
         source = stack.enter_context(open_live(options.source, options.timeout))
         fps = source.fps or (_FPS if model.eye is None else model.eye.fps)
         if model.eye is not None and abs(fps / model.eye.fps - 1) > 0.01:

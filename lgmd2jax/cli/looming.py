@@ -1,10 +1,9 @@
 """`lgmd2jax looming DATA`: the law of peak times straight from recorded trials."""
 
 import argparse
-import contextlib
 import json
 
-from lgmd2jax._files.atomic import replaced
+from lgmd2jax._files.atomic import all_replaced
 from lgmd2jax.cli.trials_data import trials_of
 
 
@@ -16,8 +15,7 @@ def run(options: argparse.Namespace) -> None:
     if options.figure:
         check_figure_path(options.figure)
     outputs = [path for path in (options.json, options.figure) if path is not None]
-    with contextlib.ExitStack() as stack:
-        files = {path: stack.enter_context(replaced(path)) for path in outputs}
+    with all_replaced(outputs) as files:
         law = trials_of(options).looming_law(options.kernel_ms, resamples=options.resamples, seed=options.seed)
         if options.json:
             text = json.dumps(law.plain(), indent=1, allow_nan=False, ensure_ascii=False)

@@ -5,9 +5,11 @@ import contextlib
 import datetime
 import platform
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any, NoReturn
+
+from tqdm import tqdm
 
 from lgmd2jax._compute.finished_work import FileMemory
 from lgmd2jax._files.catalogue import results_folder
@@ -23,6 +25,11 @@ from lgmd2jax.alarms import AlarmRecipe
 def folder_of(options: argparse.Namespace, name: str) -> Path:
     """Where the results of the recipe of this name go."""
     return options.output or results_folder(options.recipe) / name
+
+
+def clips_bar(jobs: Iterable) -> Iterable:
+    """A bar while labelled clips are decoded and rendered."""
+    return tqdm(jobs, "clips", unit="source", leave=False, disable=None)
 
 
 @contextlib.contextmanager

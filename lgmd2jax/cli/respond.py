@@ -12,7 +12,7 @@ import jax
 import numpy as np
 from tqdm import tqdm
 
-from lgmd2jax._files.atomic import replaced
+from lgmd2jax._files.atomic import all_replaced
 from lgmd2jax._handover.named import model_named, with_parameters
 from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._video.clip import Clip, Frame, open_clip, window_of
@@ -50,7 +50,7 @@ def run(options: argparse.Namespace) -> None:
 
     rows, snapshots, start = Rows(), Snapshots(), 0.0
     with contextlib.ExitStack() as stack:
-        files = {path: stack.enter_context(replaced(path)) for path in outputs}
+        files = stack.enter_context(all_replaced(outputs))
         writer = csv.writer(stack.enter_context(open(files[table], "w", newline="", encoding="utf-8")))
         writer.writerow(Row._fields)
         film, overlay = None, Overlay(clip.size, model)

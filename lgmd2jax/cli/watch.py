@@ -1,11 +1,9 @@
 """`lgmd2jax watch LABELS`: what a model does on labelled clips."""
 
 import argparse
-import contextlib
-import json
 import sys
 
-from lgmd2jax._files.atomic import replaced
+from lgmd2jax._files.atomic import all_replaced, write_json
 from lgmd2jax._handover.named import model_named, with_parameters
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._reports.section import as_text
@@ -33,8 +31,7 @@ def run(options: argparse.Namespace) -> None:
             file=sys.stderr,
         )
     outputs = [path for path in (options.csv, options.figure, options.json) if path]
-    with contextlib.ExitStack() as stack:
-        files = {path: stack.enter_context(replaced(path)) for path in outputs}
+    with all_replaced(outputs) as files:
         if options.baselines:
             clips = file.load()
             evaluations = {MODEL: evaluate(model, clips), **detectors(clips, model)}
@@ -47,7 +44,7 @@ def run(options: argparse.Namespace) -> None:
             write_table(files[options.csv], evaluation)
         if options.json and comparison is not None:
             content = {"model": options.model, "labels": options.labels, **plain(comparison.content())}
-            files[options.json].write_text(json.dumps(content, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+            write_json(files[options.json], content)
         if options.figure and options.baselines and comparison is not None:
             comparison_figure(files[options.figure], comparison)
         elif options.figure:

@@ -19,7 +19,6 @@ from tqdm import tqdm
 
 from lgmd2jax._compute.cluster import checked_client, prepare_worker, running_versions
 from lgmd2jax._network.abstract import AbstractNetwork
-from lgmd2jax._protocol.condition import Condition
 from lgmd2jax._reports.digits import measured, plain
 from lgmd2jax._reports.section import Section, as_html, as_text
 from lgmd2jax._targets.spike_trains import SpikeTrains
@@ -27,7 +26,7 @@ from lgmd2jax._targets.target import AnyTarget
 from lgmd2jax._targets.weighted import Weighted
 from lgmd2jax._types import check_key
 from lgmd2jax._words import within
-from lgmd2jax.fitting._conditions import AnyCondition
+from lgmd2jax.fitting._conditions import AnyCondition, pair_of
 from lgmd2jax.fitting._fit import fit
 from lgmd2jax.fitting._free import Free
 from lgmd2jax.fitting._result import Fit
@@ -232,7 +231,7 @@ def conditions_by_animal(conditions: Sequence[AnyCondition]) -> dict[str, list[t
 
     **Raises:** `ValueError` where no target knows its animals.
     """
-    pairs = [_pair(condition) for condition in conditions]
+    pairs = [pair_of(condition, number) for number, condition in enumerate(conditions, start=1)]
     names = dict.fromkeys(name for _, targets in pairs for target in targets for name in _animals_of(target) or ())
     if not names:
         raise ValueError("by is 'animal', but no target knows its animals; give spike trains with a column of animals")
@@ -246,13 +245,6 @@ def conditions_by_animal(conditions: Sequence[AnyCondition]) -> dict[str, list[t
             left = [_of_animal(target, name) for target in targets if name in (_animals_of(target) or (name,))]
             divided[name].append((number, (stimulus, left)))
     return divided
-
-
-def _pair(condition: AnyCondition) -> tuple[Stimulus, Sequence[AnyTarget]]:
-    if isinstance(condition, Condition):
-        return condition.render(), condition.targets
-    stimulus, targets = condition
-    return stimulus, targets if isinstance(targets, Sequence) else [targets]
 
 
 def _animals_of(target: AnyTarget) -> Sequence[str] | None:

@@ -42,9 +42,13 @@ def render(conditions: Sequence[AnyCondition]) -> list[Rendered]:
     ]
 
 
-def _render(condition: AnyCondition, number: int) -> Rendered:
-    if isinstance(condition, Rendered):
-        return condition
+def pair_of(condition: AnyCondition, number: int) -> tuple[Stimulus, Sequence[AnyTarget]]:
+    """The stimulus of a condition, rendered, and its targets as they are given.
+
+    **Arguments:** `number`: of the condition, in messages.
+
+    **Raises:** `ValueError` for what is no condition.
+    """
     if isinstance(condition, Condition):
         stimulus, targets = condition.render(), condition.targets
     elif isinstance(condition, Sequence) and len(condition) == 2 and isinstance(condition[0], Stimulus):
@@ -52,8 +56,15 @@ def _render(condition: AnyCondition, number: int) -> Rendered:
     else:
         kind = type(condition).__name__
         raise ValueError(f"condition {number} is of type {kind}; give a condition, or a stimulus with its targets")
-    if not isinstance(targets, Sequence):
-        targets = [] if targets is None else [targets]
+    if isinstance(targets, Sequence):
+        return stimulus, targets
+    return stimulus, [] if targets is None else [targets]
+
+
+def _render(condition: AnyCondition, number: int) -> Rendered:
+    if isinstance(condition, Rendered):
+        return condition
+    stimulus, targets = pair_of(condition, number)
     name = stimulus.name or f"number {number}"
     for target in targets:
         if not isinstance(target, AnyTarget):

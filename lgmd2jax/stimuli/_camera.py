@@ -13,6 +13,11 @@ from lgmd2jax.stimuli._arguments import number
 from lgmd2jax.stimuli._stimulus import Stimulus
 from lgmd2jax.stimuli._units import GreyLevelDeviation, Hertz, Pixels, ShareOfLight
 
+# Of cameras by chance: noise in grey levels, flicker as a share of the light and its frequency in Hz.
+NOISE, FLICKER, FLICKER_HZ = (0.5, 3.0), (0.0, 0.02), (100.0, 120.0)
+# Frame rates of films by those of the files that they were converted to: in one of 30 frames a second 20, 24 and 25.
+FILM_BY_FILE = 2 / 3, 4 / 5, 5 / 6
+
 _SHARP = 1e-3  # pixels; a blur below it is none
 
 

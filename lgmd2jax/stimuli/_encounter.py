@@ -14,7 +14,7 @@ from typing_extensions import deprecated
 from lgmd2jax._eye import Eye
 from lgmd2jax._types import Key, check_key
 from lgmd2jax.stimuli._arguments import one_of, positive
-from lgmd2jax.stimuli._camera import camera
+from lgmd2jax.stimuli._camera import FILM_BY_FILE, FLICKER, FLICKER_HZ, NOISE, camera
 from lgmd2jax.stimuli._encounter_kinds import KINDS, Scenario
 from lgmd2jax.stimuli._stimulus import Stimulus
 from lgmd2jax.stimuli._units import Milliseconds
@@ -22,7 +22,6 @@ from lgmd2jax.stimuli._units import Milliseconds
 ENCOUNTERS = tuple(KINDS)
 _SILENT = tuple(kind for kind in ENCOUNTERS if kind != "collision")
 _CONVERTED = 0.5  # of the clips
-_FILM_RATES = 2 / 3, 4 / 5, 5 / 6  # of the file's: in one of 30 frames a second films of 20, 24 and 25
 
 
 @dataclasses.dataclass(frozen=True)
@@ -68,7 +67,7 @@ def random_encounter(eye: Eye, key: Key, *, kind: str | None = None, duration_ms
     if kind is not None:
         one_of("kind", kind, ENCOUNTERS)
     chance, frames = chance_of(key), _frames(eye, duration_ms)
-    rate = float(chance.choice(_FILM_RATES)) if chance.random() < _CONVERTED else 1.0
+    rate = float(chance.choice(FILM_BY_FILE)) if chance.random() < _CONVERTED else 1.0
     scenario = Scenario(dataclasses.replace(eye, fps=rate * eye.fps), chance, math.ceil(rate * frames - 1e-6))
     # Also where the kind is given, so that the clip is the same as where the kind is random.
     random_kind = "collision" if chance.random() < 0.5 else str(chance.choice(_SILENT))
@@ -78,9 +77,9 @@ def random_encounter(eye: Eye, key: Key, *, kind: str | None = None, duration_ms
     film = camera(
         dataclasses.replace(stimulus, time=jnp.arange(scenario.frames) * 1000 / scenario.eye.fps),
         key,
-        noise=chance.uniform(0.5, 3.0),
-        flicker=chance.uniform(0, 0.02),
-        flicker_hz=chance.choice([100.0, 120.0]),
+        noise=chance.uniform(*NOISE),
+        flicker=chance.uniform(*FLICKER),
+        flicker_hz=chance.choice(FLICKER_HZ),
         blur=chance.uniform(0, 0.6),
     )
     sources = np.arange(frames) * scenario.frames // frames
@@ -141,7 +140,7 @@ def _frames(eye: Eye, duration_ms: float | int) -> int:
     frames = math.floor(float(positive("duration_ms", duration_ms, Milliseconds)) * eye.fps / 1000 + 1e-6)
     if frames < 2:
         raise ValueError(f"duration_ms is {duration_ms} at {eye.fps:g} fps; give time for 2 frames or more")
-    slowest = 2 / min(_FILM_RATES)  # two frames of the film
+    slowest = 2 / min(FILM_BY_FILE)  # two frames of the film
     if eye.fps <= slowest:
         raise ValueError(
             f"fps is {eye.fps:g}; give an eye of more than {slowest:g} fps, to see what comes before a contact"

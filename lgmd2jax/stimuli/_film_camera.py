@@ -5,13 +5,13 @@ import io
 import numpy as np
 from jaxtyping import Float, Int, Real, UInt8
 
+from lgmd2jax.stimuli._camera import FILM_BY_FILE
 from lgmd2jax.stimuli._film_scene import coarse
 from lgmd2jax.stimuli._shot import Shot
 
 _COMPRESSED = 0.5  # of the films
 _CRF = 10, 22  # x264's measure of what it leaves out; on frames so small it leaves out more than from a whole picture
 _CONVERTED = 0.1  # of the films: they keep frames that the conversion to a faster file repeated
-_FILM_BY_FILE = 2 / 3, 4 / 5, 5 / 6  # frame rates
 
 
 def recorded(light: Float[np.ndarray, "time row col"], shot: Shot) -> UInt8[np.ndarray, "time _row _col"]:
@@ -29,7 +29,7 @@ def recorded(light: Float[np.ndarray, "time row col"], shot: Shot) -> UInt8[np.n
     )
     frames = _in_8_bits(middle + contrast * (light * (1 + flicker * beat) - middle) + noise)
     crf, compressed = int(shot.chance.integers(*_CRF)), shot.often(_COMPRESSED)
-    repeats, ratio = shot.often(_CONVERTED), float(shot.chance.choice(_FILM_BY_FILE))
+    repeats, ratio = shot.often(_CONVERTED), float(shot.chance.choice(FILM_BY_FILE))
     if repeats:
         frames = frames[_sources(len(frames), ratio)]
     return _in_8_bits(coarse(_as_h264(frames, crf) if compressed else frames))
