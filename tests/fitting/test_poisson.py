@@ -132,9 +132,10 @@ def test_intervals_hold_the_truth(problem, stimulus, rate):
 
 def test_intervals_end_where_the_likelihood_has_fallen(stimulus, rate):
     """Found again by scipy, which fits the other parameters anew while the latency stands at an end."""
-    counts = {"pixel_points": 1, "cell_points": 8, "descend": 1}
     pair = stimulus, trains(rate, np.asarray(stimulus.time), 3)
-    fit = lgmd.fit(MODEL, [pair], FREE, key=jax.random.key(0), observation=TRUTH, **counts)
+    fit = lgmd.fit(
+        MODEL, [pair], FREE, key=jax.random.key(0), observation=TRUTH, pixel_points=1, cell_points=8, descend=1
+    )
     target, potential = pair[1].on(stimulus), MODEL(stimulus.frames, stimulus.fps).smp_adapted
     n, time = target.values * target.exposure, np.asarray(stimulus.time)
 
