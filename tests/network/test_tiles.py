@@ -13,6 +13,7 @@ from tests import clips
 FRAMES = jnp.asarray(clips.loom(3, (12, 12, 8)) + 3 * clips.noise(8, (12, 12, 8)) / 245)
 PARAMETERS = lgmd.Parameters(theta1=0.4, theta2=1.3, theta3=0.02, T_s=15.0, T_ffi=46.0, k=60.0, u=0.7, sigma1=0.2)
 SOFT = lgmd.Soft(0.5)
+INTERVAL = jnp.asarray(1000 / 30)
 
 
 @pytest.fixture
@@ -23,11 +24,11 @@ def in_fours(monkeypatch):
     assert tiles.tile_height(*FRAMES.shape[1:]) == 4
 
 
-def sums(parameters, thresholds, structure, interval=jnp.asarray(1000 / 30), frames=FRAMES):
+def sums(parameters, thresholds, structure, interval=INTERVAL, frames=FRAMES):
     return lgmd.LGMD2(parameters, thresholds, **structure).sums(frames, interval)[0]
 
 
-def plain(parameters, thresholds, structure, interval=jnp.asarray(1000 / 30), frames=FRAMES):
+def plain(parameters, thresholds, structure, interval=INTERVAL, frames=FRAMES):
     pixels = lgmd.LGMD2(cast(parameters, frames.dtype), thresholds, **structure).pixels
     return pixels.plain(frames, interval)[0]
 
@@ -39,10 +40,10 @@ def assert_close(found, expected):
 
 @pytest.mark.parametrize("structure", [{"n_p": 2}, {"mechanisms": ("size",)}], ids=str)
 def test_sums_and_their_derivatives_are_those_of_the_whole_field(in_fours, structure):
-    def both(of):
-        return jax.jit(lambda parameters: (of(parameters, SOFT, structure), jax.jacfwd(of)(parameters, SOFT, structure)))
+    def with_derivatives(of):
+        return jax.jit(lambda *inputs: (of(*inputs, SOFT, structure), jax.jacfwd(of)(*inputs, SOFT, structure)))
 
-    assert_close(both(sums)(PARAMETERS), both(plain)(PARAMETERS))
+    assert_close(with_derivatives(sums)(PARAMETERS), with_derivatives(plain)(PARAMETERS))
 
 
 def test_a_batch_at_an_uneven_clock(in_fours):
