@@ -4,11 +4,12 @@
 # make test-newest   the tests at the newest versions, on Python 3.13; TESTS=tests/targets takes a part of them
 # make test-robot    hard.py on Python 3.8 with NumPy 1.17
 # make notebooks   set everything up, run the notebooks and write them again
+# make docs   set everything up, build the documentation site; open build/site/index.html
 # make lint   set everything up, check style, types, and which room imports which
 PYTHON ?= python3
 VENV ?= .venv
 
-.PHONY: fit gallery test test-lowest test-newest test-robot notebooks lint
+.PHONY: fit gallery test test-lowest test-newest test-robot notebooks docs lint
 fit: $(VENV)/ready
 	mkdir -p results
 	$(VENV)/bin/lgmd2jax fit fits/lgmd2.toml -o results/lgmd2
@@ -37,6 +38,9 @@ test-robot: $(VENV)/ready
 
 notebooks: $(VENV)/ready
 	$(VENV)/bin/python -m notebooks.build $(NOTEBOOKS)
+
+docs: $(VENV)/ready
+	NO_MKDOCS_2_WARNING=1 $(VENV)/bin/python -m mkdocs build --strict --quiet
 
 lint: $(VENV)/ready
 	$(VENV)/bin/ruff check

@@ -10,7 +10,7 @@ from jaxtyping import Float
 
 from lgmd2jax._reports.interval import Interval
 from lgmd2jax._signals import line_through, vertex
-from lgmd2jax._trials.quality import RULE, Excluded, Rates, judged
+from lgmd2jax._trials.quality import PEAK_RULE, RULE, Excluded, Rates, judged
 from lgmd2jax._trials.trial import Trial
 
 _CONFIDENCE = 0.95
@@ -47,16 +47,21 @@ class LoomingEstimate:
     - `pooled`: the slope that all animals share, each with a delta of its own; delta is the mean of theirs. Its
       intervals are of animals and trials drawn anew; those of an animal are of its trials drawn anew.
     - `animals`: by their names. `excluded`: what fell out by the `rule`, and why.
-    - `kernel_ms`, `resamples`, `seed`: as they were asked for.
+    - `kernel_ms`, `resamples`, `seed`: as they were asked for; `kernel_ms` is None for peaks by `PEAK_RULE`.
     """
 
     pooled: PeakTimes
     animals: Mapping[str, PeakTimes]
     excluded: tuple[Excluded, ...]
-    kernel_ms: float
+    kernel_ms: float | None
     resamples: int
     seed: int
     rule: str = RULE
+
+    @property
+    def peak_rule(self) -> str:
+        """How a peak was timed."""
+        return PEAK_RULE if self.kernel_ms is None else f"peaks are those of a Gaussian of {self.kernel_ms:g} ms"
 
     def __repr__(self):
         return self.summary()
@@ -68,6 +73,7 @@ class LoomingEstimate:
             "animals": {name: times.plain() for name, times in self.animals.items()},
             "excluded": [dataclasses.asdict(item) for item in self.excluded],
             "rule": self.rule,
+            "peak_rule": self.peak_rule,
             "kernel_ms": self.kernel_ms,
             "confidence": _CONFIDENCE,
             "resamples": self.resamples,
@@ -82,18 +88,17 @@ class LoomingEstimate:
             rows.append((name, str(times.alpha), str(times.delta_ms), angle, f"{times.r2:.3f}", str(times.trials)))
         widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
         lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
-        lines += ["", f"rate: a Gaussian of {self.kernel_ms:g} ms; 95 % intervals: {self.resamples} bootstrap samples"]
-        lines += [f"rule: {self.rule}"]
+        lines += ["", f"{self.peak_rule}; 95 % intervals: {self.resamples} bootstrap samples", f"rule: {self.rule}"]
         return "\n".join([*lines, *(f"left out: {item}" for item in self.excluded)])
 
 
-def estimate(trials: Sequence[Trial], kernel_ms: float, resamples: int, seed: int) -> LoomingEstimate:
+def estimate(trials: Sequence[Trial], kernel_ms: float | None, resamples: int, seed: int) -> LoomingEstimate:
     """The line of each animal that passes `RULE`, and of all.
 
     **Raises:** `ValueError` for what the settings cannot be, and where no animal is left.
     """
-    if not (math.isfinite(kernel_ms) and kernel_ms > 0):
-        raise ValueError(f"kernel_ms is {kernel_ms}; give a positive number")
+    if kernel_ms is not None and not (math.isfinite(kernel_ms) and kernel_ms > 0):
+        raise ValueError(f"kernel_ms is {kernel_ms}; give a positive number, or None for a kernel that l/|v| sets")
     if resamples < 2:
         raise ValueError(f"resamples is {resamples}; give at least 2")
     passed, excluded = judged(trials, kernel_ms)

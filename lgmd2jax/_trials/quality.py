@@ -16,6 +16,8 @@ _TIMES_BASE, _ABOVE = 2.0, 20.0  # the peak must exceed so many times the base a
 _EARLIEST, _MARGIN_MS, _LATEST_MS = 10.0, 50.0, 200.0  # of a peak: in l/|v| and ms before collision, in ms after
 _EDGE = 0.2  # of a trial, at either end, where the base is measured
 _BIN_MS = 1.0
+KERNEL_MS = 20.0  # of the Gaussian of the rates that are judged
+_SHARE, _NARROWEST_MS = 1.4, 12.0  # s.d. of the Gaussian within the kernel of peak times: of l/|v|, and at least
 
 RULE = (
     f"a session falls out where its base rate, the lower of its mean rates in the first and the last {_EDGE:.0%} of "
@@ -23,6 +25,11 @@ RULE = (
     f"above {_TIMES_BASE:g} times the base plus {_ABOVE:g} spikes/s, or is earlier than {_EARLIEST:g} l/|v| + "
     f"{_MARGIN_MS:g} ms before collision or later than {_LATEST_MS:g} ms after; an animal with fewer than two l/|v| "
     "left has no line"
+)
+
+PEAK_RULE = (
+    f"peaks are those of a kernel of sixth order, 1 - (1 - G)^3 with a Gaussian G of {_SHARE:g} l/|v|, at "
+    f"least {_NARROWEST_MS:g} ms: an asymmetric rate, which widens with l/|v|, keeps its peak but for a share of l/|v|"
 )
 
 
@@ -46,7 +53,7 @@ class Excluded:
 class Rates:
     """Smoothed rates of all trials of an animal at one l/|v|, in spikes/s, where a peak may lie.
 
-    `time` in ms from collision, in steps of 1 ms; `rates` has a row a trial.
+    `time` in ms from collision, in steps of 1 ms; `rates` has a row a trial. They are those by which a peak is timed.
     """
 
     animal: str
@@ -55,8 +62,10 @@ class Rates:
     rates: Float[np.ndarray, "trial time"]
 
 
-def judged(trials: Sequence[Trial], kernel_ms: float) -> tuple[list[Rates], list[Excluded]]:
+def judged(trials: Sequence[Trial], kernel_ms: float | None) -> tuple[list[Rates], list[Excluded]]:
     """The rates that pass `RULE`, by animal and l/|v|, and what does not.
+
+    **Arguments:** `kernel_ms`: of a Gaussian; None: rates by `PEAK_RULE`.
 
     **Raises:** `ValueError` for a trial without a number as `l_over_v`.
     """
@@ -64,7 +73,7 @@ def judged(trials: Sequence[Trial], kernel_ms: float) -> tuple[list[Rates], list
     return [rates for rates, _ in with_line], excluded
 
 
-def accepted(trials: Sequence[Trial], kernel_ms: float) -> tuple[list[Trial], list[Excluded]]:
+def accepted(trials: Sequence[Trial], kernel_ms: float | None) -> tuple[list[Trial], list[Excluded]]:
     """The trials that a fit can aim at: those of animals with a line or, where none has one, of all that answer.
 
     **Raises:** as `judged`.
@@ -84,7 +93,7 @@ def noisy(trials: Sequence[Trial]) -> list[Trial]:
 _Passed = list[tuple[Rates, list[Trial]]]
 
 
-def _by_rule(trials: Sequence[Trial], kernel_ms: float) -> tuple[_Passed, _Passed, list[Excluded]]:
+def _by_rule(trials: Sequence[Trial], kernel_ms: float | None) -> tuple[_Passed, _Passed, list[Excluded]]:
     """What passes, of animals with two l/|v| or more and of those with one, and what does not."""
     excluded, left = [], []
     sessions = list(_groups(trials, lambda trial: (trial.animal, trial.session)))
@@ -137,12 +146,12 @@ def base_rate(trials: Sequence[Trial]) -> float:
     return float(min(rates))
 
 
-def _rates(animal: str, speed: float, trials: Sequence[Trial], kernel_ms: float) -> tuple[Rates, str]:
+def _rates(animal: str, speed: float, trials: Sequence[Trial], kernel_ms: float | None) -> tuple[Rates, str]:
     """The rates where a peak may lie, and what speaks against them."""
     start, end = max(trial.start_ms for trial in trials), min(trial.end_ms for trial in trials)
     edges = np.arange(np.ceil(start), np.floor(end) + _BIN_MS / 2, _BIN_MS)
     counts = np.stack([np.histogram(trial.spikes_ms, edges)[0] for trial in trials])
-    rates = 1000 / _BIN_MS * gaussian_filter1d(counts.astype(float), kernel_ms / _BIN_MS, axis=1, mode="constant")
+    rates = _smooth(1000 / _BIN_MS * counts, kernel_ms or KERNEL_MS)
     time, mean, base = edges[:-1] + _BIN_MS / 2, rates.mean(axis=0), base_rate(trials)
     peak, needed = float(mean.max()), _TIMES_BASE * base + _ABOVE
     earliest = -_EARLIEST * speed - _MARGIN_MS
@@ -153,7 +162,26 @@ def _rates(animal: str, speed: float, trials: Sequence[Trial], kernel_ms: float)
         reason = f"peak {peak:.1f} spikes/s, not above {needed:.1f} at a base of {base:.1f}"
     elif not earliest <= at <= _LATEST_MS:
         reason = f"peak at {at:.0f} ms, not within {earliest:g} to {_LATEST_MS:g} ms from collision"
+    if kernel_ms is None:
+        rates = _without_lag(1000 / _BIN_MS * counts, max(_SHARE * speed, _NARROWEST_MS))
     return Rates(animal, speed, time[inside], rates[:, inside]), reason
+
+
+def _smooth(counts: Float[np.ndarray, "trial time"], kernel_ms: float) -> Float[np.ndarray, "trial time"]:
+    return gaussian_filter1d(counts, kernel_ms / _BIN_MS, axis=1, mode="constant")
+
+
+def _without_lag(counts: Float[np.ndarray, "trial time"], kernel_ms: float) -> Float[np.ndarray, "trial time"]:
+    """Rates by the kernel 1 - (1 - G)^3 of a Gaussian G, of sixth order: polynomials up to t^5 stay as they are.
+
+    A Gaussian moves the peak of a rate that rises more slowly than it falls towards the rise, by its variance times the
+    third derivative over the second one. This kernel's bias begins with the seventh derivative. It widens as l/|v|
+    does, as a response to a looming object does, so that the bias that is left belongs to alpha and not to delta.
+    """
+    rest = counts
+    for _ in range(3):
+        rest = rest - _smooth(rest, kernel_ms)
+    return counts - rest
 
 
 def _told_noise(bases: Mapping[str, float]) -> str:

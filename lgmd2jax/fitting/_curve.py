@@ -13,7 +13,7 @@ from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._targets.observation import Observation
 from lgmd2jax._targets.target import Target
 from lgmd2jax._words import warn_renamed
-from lgmd2jax.fitting._poisson import LEAST_RATE, deviance_residuals, minus_two_log_likelihood
+from lgmd2jax.fitting._poisson import LEAST_RATE, bin_means, deviance_residuals, minus_two_log_likelihood
 from lgmd2jax.stimuli import Stimulus
 
 Kind = Literal["soft", "hard", "silence"]
@@ -126,7 +126,8 @@ class Curve:
         counted, exposure = self.weight > 0, self.exposure
         if exposure is None:
             raise ValueError(f"the target of {self.condition!r} is no count of spikes; give it an exposure")
-        return self.target[counted] * exposure[counted], np.maximum(rate, LEAST_RATE)[counted] * exposure[counted]
+        means = np.maximum(bin_means(jnp.asarray(rate), jnp.asarray(counted)), LEAST_RATE)
+        return self.target[counted] * exposure[counted], means[counted] * exposure[counted]
 
     @property
     def chi2_of_mean(self) -> float:

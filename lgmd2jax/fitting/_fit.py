@@ -35,6 +35,7 @@ from lgmd2jax.fitting._starts import CurveStarts
 from lgmd2jax.fitting._uncertainty.covariance import Uncertainty, linearised_uncertainty, prediction_band
 from lgmd2jax.fitting._uncertainty.jacobian import Sensitivity, known_rows, sensitivity_at
 from lgmd2jax.fitting._uncertainty.linearity import nonlinear_parameters
+from lgmd2jax.fitting._uncertainty.profile import profiled_intervals
 from lgmd2jax.stimuli import Stimulus
 
 if TYPE_CHECKING:
@@ -153,6 +154,11 @@ def fit(
     if absolute_errors is None:
         absolute_errors = all(target.has_error for _, targets in pairs for target in targets)
     u = _uncertainty(problem, z, slopes, absolute_errors)
+    residuals, curved = chi2_residuals(problem, temperatures[-1], u.variance), ()
+    if problem.has_counts:
+        u = dataclasses.replace(u, intervals=profiled_intervals(residuals, z, u, free.unpacked))
+    else:
+        curved = nonlinear_parameters(residuals, z, u)
     model, observation = problem.at(z)
     return Fit(
         model=model,
@@ -164,7 +170,7 @@ def fit(
         soft_loss=0.5 * float(jnp.square(slopes.residuals).sum()),
         temperatures=temperatures,
         uncertainty=u,
-        curved=nonlinear_parameters(chi2_residuals(problem, temperatures[-1], u.variance), z, u),
+        curved=curved,
         curves=_curves(problem, observation, pairs, slopes, _hard_curves(problem, jnp.asarray(z)), u),
         runs=tuple(runs),
         screened=tuple(sorted(point["loss"] for point in screened.values())),

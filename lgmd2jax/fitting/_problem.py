@@ -17,7 +17,7 @@ from lgmd2jax._network.stages import Sums
 from lgmd2jax._targets.observation import Observation
 from lgmd2jax._targets.target import Target, stride
 from lgmd2jax.fitting._free import Free
-from lgmd2jax.fitting._poisson import LEAST_RATE, deviance_residuals, minus_two_log_likelihood
+from lgmd2jax.fitting._poisson import LEAST_RATE, bin_means, deviance_residuals, minus_two_log_likelihood
 from lgmd2jax.fitting._robust import Loss, robust
 from lgmd2jax.fitting._search.space import Space
 from lgmd2jax.stimuli import Stimulus
@@ -54,7 +54,9 @@ class Slot(eqx.Module):
 
     def means(self, curve: Float[Array, "condition time"]) -> Float[Array, "condition time"]:
         """The counts that a rate lets expect; 1 where nothing was counted."""
-        return jnp.where(self.exposure > 0, jnp.maximum(curve, LEAST_RATE) * self.exposure, 1.0)
+        counted = self.exposure > 0
+        rates = jnp.maximum(jax.vmap(bin_means)(curve, counted), LEAST_RATE)
+        return jnp.where(counted, rates * self.exposure, 1.0)
 
     def difference(self, curve: Float[Array, "condition time"]) -> Float[Array, "condition time"]:
         """Of a curve from the target, in standard errors; of counts the deviance residual. 0 without a target."""
@@ -174,9 +176,14 @@ class Problem(Space[AbstractNetwork]):
             float(((slot.scale > 0).sum(axis=1) / slot.thinning).sum()) for b in self.batches for slot in b.slots
         )
 
+    @property
+    def has_counts(self) -> bool:
+        """Whether a target is counts of spikes."""
+        return any(slot.is_counts for batch in self.batches for slot in batch.slots)
+
     def minus_two_log_likelihood(self, curves: Curves) -> float | None:
         """-2 ln L, up to a constant of the targets with known errors; None where no target is a count of spikes."""
-        if not any(slot.is_counts for batch in self.batches for slot in batch.slots):
+        if not self.has_counts:
             return None
         total = 0.0
         for batch, predicted in zip(self.batches, curves, strict=True):

@@ -296,7 +296,7 @@ def correlation_section(u: Uncertainty) -> Section:
 
 
 def profile_section(profiles: Mapping[str, Profile], free: Free, u: Uncertainty) -> Section:
-    """Intervals by profile likelihood beside those by covariance."""
+    """Intervals by profile likelihood beside those of the table of free parameters."""
     rows = []
     for name, profile in profiles.items():
         i = free.names.index(name)
@@ -305,7 +305,7 @@ def profile_section(profiles: Mapping[str, Profile], free: Free, u: Uncertainty)
             for end, is_open in zip(profile.interval, profile.is_open, strict=True)
         )
         rows.append((name, f"{low} .. {high}", _interval(u, i), _unit(free.freedoms[i].symbol.unit)))
-    columns = ("parameter", "by profile|", f"by covariance, {CONFIDENCE:.0%}|", "unit")
+    columns = ("parameter", "by profile|", f"above, {CONFIDENCE:.0%}|", "unit")
     is_open = any(end for profile in profiles.values() for end in profile.is_open)
     sentences = ("Open: up to the bound, chi2 does not rise so far.",) if is_open else ()
     return Section("Profile-likelihood intervals", columns, tuple(rows), sentences)

@@ -34,7 +34,7 @@ from lgmd2jax.fitting._uncertainty.covariance import Uncertainty, sentences
 from lgmd2jax.fitting._uncertainty.jacobian import known_rows, sensitivity_at
 from lgmd2jax.fitting._uncertainty.next_stimulus import Candidate, rank
 from lgmd2jax.fitting._uncertainty.posterior import Posterior, draw_posterior
-from lgmd2jax.fitting._uncertainty.profile import Profile, profile_likelihood, rise_limit
+from lgmd2jax.fitting._uncertainty.profile import Profile, first_step, profile_likelihood, rise_limit
 from lgmd2jax.fitting._uncertainty.score import Score, score_test
 from lgmd2jax.stimuli import Stimulus
 
@@ -50,7 +50,8 @@ class Fit:
     - `free`: what was free. `start`: the values from which the search set out, by name.
     - `loss`: half the sum of squares of `model`; `soft_loss`: of the same parameters at the last temperature.
     - `temperatures`: of the descent, the last one being that of `soft` and of the uncertainty.
-    - `uncertainty`: errors, intervals, correlations, information criteria, all by linearisation.
+    - `uncertainty`: errors, intervals, correlations, information criteria, all by linearisation; of counts
+      of spikes the intervals by profile likelihood.
     - `curved`: the parameters within whose intervals the curves bend, so that only a `profile` tells their interval.
     - `curves`: target, soft and hard model for every target of every condition.
     - `runs`: the starts that were descended, the best first. `screened`: losses of all points of the search, sorted.
@@ -132,14 +133,13 @@ class Fit:
         if name not in self.free.names:
             raise ValueError(f"{name!r} is not free in this fit; choose {', '.join(self.free.names)}")
         residuals, u, index = self._residuals("profile"), self.uncertainty, self.free.names.index(name)
-        step = 2 * float(np.sqrt(u.covariance_z[index, index]))
         return profile_likelihood(
             residuals,
             self.z,
             index,
             variance=u.variance,
             limit=rise_limit(u, confidence),
-            step=min(max(step, 1e-4), 0.25),
+            step=first_step(u, index),
             value=lambda z: float(self.free.freedoms[index].value(z)),
         )
 

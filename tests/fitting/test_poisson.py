@@ -11,7 +11,7 @@ import scipy
 import lgmd2jax as lgmd
 from lgmd2jax.fitting._conditions import render
 from lgmd2jax.fitting._curve import curve_of
-from lgmd2jax.fitting._poisson import deviance_residuals
+from lgmd2jax.fitting._poisson import bin_means, deviance_residuals
 from lgmd2jax.fitting._problem import chi2_residuals, problem_of
 from lgmd2jax.fitting._uncertainty.covariance import linearised_uncertainty
 from lgmd2jax.fitting._uncertainty.jacobian import known_rows, sensitivity_at
@@ -43,6 +43,13 @@ def trains(rate, time, seed):
     ]
     kept = [generator.uniform(0, most, len(train)) < np.interp(train, time, rate) for train in spikes]
     return lgmd.SpikeTrains([[t[k] for t, k in zip(spikes, kept, strict=True)]], likelihood="poisson")
+
+
+def mean_rates(rate, time):
+    """The mean over each bin, by the trapezoidal rule on its halves, in which the rate is linear."""
+    half, ends = np.diff(time).mean() / 2, (rate[0], rate[-1])
+    between = scipy.interpolate.interp1d(time, rate, axis=0, bounds_error=False, fill_value=ends)
+    return (between(time - half) + 2 * between(time) + between(time + half)) / 4
 
 
 @pytest.fixture(scope="module")
@@ -78,15 +85,22 @@ def test_counts_are_those_of_bins_around_the_frames(stimulus):
     assert spikes.of("2").trials == [[[time[7]]]]
 
 
-def test_information_is_fishers_and_the_likelihood_scipys(problem):
+def test_a_bin_counts_the_integral_of_the_rate(stimulus, rate):
+    time, everywhere = np.asarray(stimulus.time), jnp.ones(len(rate), bool)
+    np.testing.assert_allclose(bin_means(jnp.asarray(rate), everywhere), mean_rates(rate, time), rtol=1e-9)
+    slopes = np.stack([rate, rate**2], axis=1)
+    np.testing.assert_allclose(bin_means(jnp.asarray(slopes), everywhere), mean_rates(slopes, time), rtol=1e-9)
+    # What lies beyond the counted frames, such as those that fill up a batch, has no part in it.
+    longer, counted = jnp.append(jnp.asarray(rate), jnp.full(3, 1e9)), jnp.append(everywhere, jnp.zeros(3, bool))
+    np.testing.assert_allclose(bin_means(longer, counted)[:-3], mean_rates(rate, time), rtol=1e-9)
+
+
+def test_information_is_fishers_and_the_likelihood_scipys(problem, stimulus):
     z = jnp.asarray(FREE.place(MODEL.parameters, TRUTH))
     slopes = sensitivity_at(problem, z, jnp.asarray(1.0))
     jacobian, residuals = known_rows(problem, slopes)
-    slot, rates, by_z = (
-        problem.batches[0].slots[0],
-        np.asarray(slopes.curves[0][0][0]),
-        np.asarray(slopes.slopes[0][0][0]),
-    )
+    slot, time = problem.batches[0].slots[0], np.asarray(stimulus.time)
+    rates, by_z = (mean_rates(np.asarray(rows[0][0][0]), time) for rows in (slopes.curves, slopes.slopes))
     exposure = np.asarray(slot.exposure[0])
     np.testing.assert_allclose(jacobian.T @ jacobian, by_z.T @ np.diag(exposure / rates) @ by_z, rtol=1e-9)
     counts, means = np.asarray(slot.low[0]) * exposure, rates * exposure
@@ -116,17 +130,50 @@ def test_intervals_hold_the_truth(problem, stimulus, rate):
     np.testing.assert_allclose(np.square(off).mean(), 1, atol=0.35)
 
 
+def test_intervals_end_where_the_likelihood_has_fallen(stimulus, rate):
+    """Found again by scipy, which fits the other parameters anew while the latency stands at an end."""
+    pair = stimulus, trains(rate, np.asarray(stimulus.time), 3)
+    fit = lgmd.fit(
+        MODEL, [pair], FREE, key=jax.random.key(0), observation=TRUTH, pixel_points=1, cell_points=8, descend=1
+    )
+    target, potential = pair[1].on(stimulus), MODEL(stimulus.frames, stimulus.fps).smp_adapted
+    n, time = target.values * target.exposure, np.asarray(stimulus.time)
+
+    @jax.jit
+    def rates(values):
+        observation = lgmd.Observation(gain=values[0], baseline=values[1], latency=values[2], smoothing=15.0)
+        return observation(potential, stimulus.time)
+
+    def minus_two_log_likelihood(values):
+        return (
+            -2
+            * scipy.stats.poisson.logpmf(
+                np.rint(n), mean_rates(np.asarray(rates(values)), time) * target.exposure
+            ).sum()
+        )
+
+    best, index = np.array([fit.values[name] for name in FREE.names]), FREE.names.index("latency")
+
+    def of_others(others, latency):
+        return minus_two_log_likelihood(np.insert(others, index, latency))
+
+    for end in fit.uncertainty.intervals[index]:
+        found = scipy.optimize.minimize(of_others, np.delete(best, index), (end,), "Nelder-Mead", tol=0.01)
+        assert found.fun - minus_two_log_likelihood(best) == pytest.approx(3.84, abs=0.05)
+    assert fit.curved == ()
+
+
 def test_a_curve_of_counts_has_its_deviance_and_grade(stimulus, rate):
     pair = render([(stimulus, trains(rate, np.asarray(stimulus.time), 0))])[0]
     target, flat = pair.targets[0], np.full(len(rate), rate.mean())
     curve = curve_of(stimulus, target, rate, rate, 0 * rate, 6.0)
-    counts = target.values * target.exposure
-    ratio = 2 * (scipy.special.xlogy(counts, counts / (rate * target.exposure)) - counts + rate * target.exposure)
+    counts, means = target.values * target.exposure, mean_rates(rate, np.asarray(stimulus.time)) * target.exposure
+    ratio = 2 * (scipy.special.xlogy(counts, counts / means) - counts + means)
     assert curve.chi2() == pytest.approx(ratio.sum())
     assert curve.grade == "good"
     assert dataclasses.replace(curve, hard=flat).grade == "missed"
     assert curve.minus_two_log_likelihood() == pytest.approx(
-        -2 * scipy.stats.poisson.logpmf(np.rint(counts), rate * target.exposure).sum()
+        -2 * scipy.stats.poisson.logpmf(np.rint(counts), means).sum()
     )
 
 

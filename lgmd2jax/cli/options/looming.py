@@ -30,7 +30,10 @@ def add(commands: argparse._SubParsersAction) -> None:
     parser.add_argument("--json", type=Path, metavar="FILE", help="also write all values")
     parser.add_argument("--figure", type=Path, metavar="FILE", help="also draw the lines")
     parser.add_argument(
-        "--kernel-ms", type=float, default=20.0, metavar="MS", help="s.d. of the Gaussian of the rate (default: 20)"
+        "--kernel-ms",
+        type=float,
+        metavar="MS",
+        help="s.d. of a Gaussian, whose rate is timed at its peak (default: a kernel of sixth order that l/|v| sets)",
     )
     parser.add_argument("--resamples", type=int, default=1000, metavar="N", help="bootstrap samples (default: 1000)")
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="of the bootstrap (default: 0)")

@@ -26,7 +26,7 @@ class Uncertainty:
 
     - `names`, `values`: of the free parameters, in their own units. `slopes`: their derivatives in the unit box.
     - `standard_errors`: infinite without influence. `intervals`: of 95 %, symmetric in the unit box and cut at its
-      walls.
+      walls; of counts of spikes those of the profile likelihood, since their information changes within an interval.
     - `covariance`, `correlation`: a parameter on a bound is held when the others' errors are computed, and has no
       correlation with them here; its own error is that of all parameters together.
     - `determined`: False for a parameter without influence, for one that others can replace, and for one whose

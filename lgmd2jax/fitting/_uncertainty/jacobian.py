@@ -7,6 +7,7 @@ import jax
 import numpy as np
 from jaxtyping import Array, Float
 
+from lgmd2jax.fitting._poisson import bin_means
 from lgmd2jax.fitting._problem import Curves, Problem
 
 
@@ -46,6 +47,7 @@ def known_rows(
                 exposure, means = np.asarray(slot.exposure).ravel(), np.asarray(slot.means(curve)).ravel()
                 counts = np.asarray(slot.low).ravel() * exposure
                 residuals[rows] = np.where(exposure > 0, (means - counts) / np.sqrt(means), 0)
-                jacobian[rows] = (exposure / np.sqrt(means))[:, None] * np.asarray(slope).reshape(curve.size, -1)
+                by_bin = np.asarray(jax.vmap(bin_means)(slope, slot.exposure > 0)).reshape(curve.size, -1)
+                jacobian[rows] = (exposure / np.sqrt(means))[:, None] * by_bin
     known = problem.known()
     return jacobian[known], residuals[known]

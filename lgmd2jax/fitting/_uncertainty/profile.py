@@ -12,7 +12,7 @@ import scipy
 from jaxtyping import Array, Float
 
 from lgmd2jax.fitting._solver.levenberg_marquardt import BoundedLevenbergMarquardt
-from lgmd2jax.fitting._uncertainty.covariance import Uncertainty
+from lgmd2jax.fitting._uncertainty.covariance import CONFIDENCE, Uncertainty
 
 # Relative, how close the rise at an end comes to its limit.
 _CLOSE = 1e-3
@@ -59,7 +59,7 @@ def rise_limit(u: Uncertainty, confidence: float) -> float:
 def profile_likelihood(
     residuals: Callable[[Float[Array, " free"]], Float[Array, " n"]],
     z: Float[np.ndarray, " free"],
-    index: int,
+    index: int | np.integer,
     *,
     variance: float,
     limit: float,
@@ -91,6 +91,30 @@ def profile_likelihood(
         is_open=(ends[0] is None, ends[1] is None),
         limit=limit,
     )
+
+
+def profiled_intervals(
+    residuals: Callable[[Float[Array, " free"]], Float[Array, " n"]],
+    z: Float[np.ndarray, " free"],
+    u: Uncertainty,
+    value: Callable[[Float[np.ndarray, " free"]], Float[np.ndarray, " free"]],
+) -> Float[np.ndarray, "free 2"]:
+    """The intervals of all parameters that are determined, by profile likelihood; of the others those there are.
+
+    **Arguments:** `residuals` as of `profile_likelihood`; `z` the best point, `u` its uncertainty; `value` maps points
+    of the unit box to the parameters' own units.
+    """
+    intervals = u.intervals.copy()
+    for index in np.flatnonzero(u.determined):
+        limit, step = rise_limit(u, CONFIDENCE), first_step(u, index)
+        profile = profile_likelihood(residuals, z, index, variance=u.variance, limit=limit, step=step)
+        intervals[index] = [value(np.where(np.arange(len(z)) == index, end, z))[index] for end in profile.interval]
+    return intervals
+
+
+def first_step(u: Uncertainty, index: int | np.integer) -> float:
+    """How far from the best point a profile is tried first, in the unit box: two standard errors, within reason."""
+    return min(max(2 * float(np.sqrt(u.covariance_z[index, index])), 1e-4), 0.25)
 
 
 def _crossing(rise: Callable[[float], float], start: float, sign: int, step: float, limit: float) -> float | None:
