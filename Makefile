@@ -6,11 +6,12 @@
 # make notebooks   set everything up, run the notebooks and write them again
 # make docs   set everything up, build the documentation site; open build/site/index.html
 # make dist   set everything up, build the source archive and the wheel from it, check both; they lie in build/dist/
+# make test-wheel   the wheel outside of the clone, on the lowest and the newest Python: a smoke test and the examples
 # make lint   set everything up, check style, types, and which room imports which
 PYTHON ?= python3
 VENV ?= .venv
 
-.PHONY: fit gallery test test-lowest test-newest test-robot notebooks docs dist lint
+.PHONY: fit gallery test test-lowest test-newest test-robot notebooks docs dist test-wheel lint
 fit: $(VENV)/ready
 	mkdir -p results
 	$(VENV)/bin/lgmd2jax fit fits/lgmd2.toml -o results/lgmd2
@@ -47,6 +48,13 @@ dist: $(VENV)/ready
 	rm -rf build/dist
 	$(VENV)/bin/python -m build --quiet --outdir build/dist
 	$(VENV)/bin/twine check --strict build/dist/*
+
+test-wheel: dist
+	for python in 3.11 3.13; do \
+		$(VENV)/bin/uv venv --quiet --clear --python $$python build/wheel-$$python && \
+		$(VENV)/bin/uv pip install --quiet --python build/wheel-$$python "$$(echo build/dist/*.whl)[cluster,video]" && \
+		$(VENV)/bin/python -m benchmarks.wheel build/wheel-$$python/bin/python || exit 1; \
+	done
 
 lint: $(VENV)/ready
 	$(VENV)/bin/ruff check

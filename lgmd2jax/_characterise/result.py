@@ -151,11 +151,13 @@ def _lines(models: Mapping[str, Characterisation]) -> Iterator[str]:
             evidence = "".join(f"[{letter}]" for letter in each.evidence) if each.judged else ""
             yield line(label, (number(finding.values[i]) for finding in findings), each.bound, evidence)
     yield ""
-    yield line("properties that hold, of those judged", (f"{result.passed} of {result.judged}" for result in results))
+    yield line(
+        "properties that hold, of those evaluated", (f"{result.passed} of {result.judged}" for result in results)
+    )
     reference = "R = 1: peak of the dark loom at 40 ms, SMP"
     yield line(reference, (number(result.reference) for result in results), ">= 0.05")
     yield line("     textured", (number(result.reference_textured) for result in results), ">= 0.05")
-    yield line("judged as", (result.neuron for result in results))
+    yield line("evaluated as", (result.neuron for result in results))
     yield line("eye", (f"{result.eye.rows} x {result.eye.cols}" for result in results))
     yield line("     degrees a pixel", (f"{result.eye.degrees_per_pixel:g}" for result in results))
     yield line("     frames per second", (f"{result.eye.fps:g}" for result in results))

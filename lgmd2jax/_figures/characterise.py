@@ -1,4 +1,4 @@
-"""The figure of an exam: how response properties hang on the stimulus, model by model, and which of them hold."""
+"""The figure of an exam: how response properties depend on the stimulus, model by model, and which of them hold."""
 
 import os
 from collections.abc import Mapping

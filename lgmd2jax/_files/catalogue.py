@@ -22,7 +22,8 @@ def locate(name: str | Path, kind: str, suffix: str = ".toml") -> Path:
 
     **Arguments:**
 
-    - `name`: a path, or the bare name of something shipped, such as `"looming"`.
+    - `name`: a path, or the bare name of something shipped, such as `"looming"`; the path of a result folder where
+      `suffix` names a file in one.
     - `kind`: the catalogue's folder, `"stimuli"` or `"fits"`.
     - `suffix`: what follows the bare name within that folder; `"/model.json"` finds the model in a result folder.
 
@@ -36,6 +37,8 @@ def locate(name: str | Path, kind: str, suffix: str = ".toml") -> Path:
         shipped = folder(kind) / f"{bare}{suffix}"
         if shipped.is_file():
             return shipped
+    if suffix.startswith("/") and (path / suffix[1:]).is_file():
+        return path / suffix[1:]
     if path.is_dir():
         raise FileNotFoundError(f"{bare} is a folder; give a file")
     shipped = (file.relative_to(folder(kind)).as_posix() for file in folder(kind).glob(f"*{suffix}"))

@@ -7,13 +7,13 @@ from typing import Any
 
 from lgmd2jax._handover.model_file import save
 from lgmd2jax._results.fit_json import plain
-from lgmd2jax._results.results_folder import FIGURES, Documents, ResultsFolder
+from lgmd2jax._results.results_folder import ALARM_FIT, FIGURES, Documents, ResultsFolder
 from lgmd2jax._results.urgency import URGENCY_FILES
 from lgmd2jax.alarms import AlarmFit, Comparison, HeldOutScores, Score
 from lgmd2jax.alarms._report import write_table
 from lgmd2jax.fitting._search.descent import STOPPED
 
-_FORMAT, _VERSION = "lgmd2jax-alarm-fit", 1
+_VERSION = 1
 _FIGURES = ("fit.png", "diagnostics.png", "worst.png")
 
 
@@ -67,7 +67,7 @@ class AlarmFolder:
         comparisons: Mapping[str, Comparison] | None = None,
     ) -> Documents:
         content = {
-            "format": _FORMAT,
+            "format": ALARM_FIT,
             "version": _VERSION,
             "name": self.name,
             "unfinished": list(unfinished),

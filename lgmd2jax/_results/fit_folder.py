@@ -17,7 +17,7 @@ from lgmd2jax._handover.model_file import load, save
 from lgmd2jax._results.fit_data import DATA, entry_of, holds, source_of_data, write_data
 from lgmd2jax._results.fit_json import content_of, fit_of, plain
 from lgmd2jax._results.posterior_nc import write_posterior
-from lgmd2jax._results.results_folder import FIGURES, MARKER, Documents, ResultsFolder, warn_if_unfinished
+from lgmd2jax._results.results_folder import ALARM_FIT, FIGURES, MARKER, Documents, ResultsFolder, warn_if_unfinished
 from lgmd2jax._schemas.check import check
 from lgmd2jax._schemas.fit import FIT, ROWS
 from lgmd2jax._targets.observation import Observation
@@ -153,6 +153,9 @@ def load_validated_fit(
     """The fit of `load_fit`, and R2 of each condition that was left out, predicted by a fit to others; {} for none."""
     folder = fit_folder(folder)
     content = read_json(folder / MARKER)
+    if isinstance(content, dict) and content.get("format") == ALARM_FIT:
+        model = folder / "model.json"
+        raise ValueError(f"{folder} holds a fit to labelled clips; take its model by lgmd2jax.load({str(model)!r})")
     with within(f"{folder} holds no fit that can be used"):
         with within(MARKER):
             check(FIT, content)

@@ -13,6 +13,7 @@ from lgmd2jax._words import warn_unfinished
 from lgmd2jax.fitting._search.descent import STOPPED
 
 MARKER = "fit.json"
+ALARM_FIT = "lgmd2jax-alarm-fit"  # the format of that file, of a fit to labelled clips
 _DOCUMENTS = (MARKER, "report.txt", "report.html")
 SEARCH, FIGURES = "the search", "the figures"  # as parts that are still to come
 Write = Callable[[Path], None]  # files into a folder

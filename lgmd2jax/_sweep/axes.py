@@ -51,7 +51,7 @@ class Setup(eqx.Module):
     fixed: dict[str, Any]
 
     def render(self, point: Mapping[str, Array]) -> Stimulus:
-        """The stimulus at a point; what does not hang on the point, such as times, is computed at once."""
+        """The stimulus at a point; what does not depend on the point, such as times, is computed at once."""
         with jax.ensure_compile_time_eval():
             return self.renderer(self.eye, **self.fixed, **self._part(point, "stimulus"))
 

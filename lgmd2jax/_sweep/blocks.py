@@ -87,7 +87,9 @@ def plan_blocks(grid: Grid, channels: tuple[str, ...], block: int | None) -> Pla
     frames = eqx.filter_eval_shape(rendered, point)
     results = eqx.filter_eval_shape(_traced_once, grid.setup, channels, point)
     if not is_concrete(times[0]):
-        raise ValueError("the window hangs on what is swept; give the renderer start_ms and end_ms for the whole grid")
+        raise ValueError(
+            "the window depends on what is swept; give the renderer start_ms and end_ms for the whole grid"
+        )
     if block is None:
         block = max(int(_PIXELS / frames.size), 1) * jax.local_device_count()
     elif not isinstance(block, int) or block < 1:

@@ -120,7 +120,7 @@ def free_section(
 def _flags(side: int, prior: tuple[float, float] | None, curved: bool) -> str:
     flags = [f"at {'lower' if side < 0 else 'upper'} bound"] if side else []
     flags += [f"prior {prior[0]:g} +- {prior[1]:g}"] if prior else []
-    return ", ".join(flags + (["rough: curves bend"] if curved else []))
+    return ", ".join(flags + (["nonlinear"] if curved else []))
 
 
 def _interval(u: Uncertainty, i: int) -> str:

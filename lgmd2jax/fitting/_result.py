@@ -52,7 +52,7 @@ class Fit:
     - `temperatures`: of the descent, the last one being that of `soft` and of the uncertainty.
     - `uncertainty`: errors, intervals, correlations, information criteria, all by linearisation; of counts
       of spikes the intervals by profile likelihood.
-    - `curved`: the parameters within whose intervals the curves bend, so that only a `profile` tells their interval.
+    - `curved`: the parameters within whose intervals the curves are nonlinear, so that a `profile` is needed.
     - `curves`: target, soft and hard model for every target of every condition.
     - `runs`: the starts that were descended, the best first. `screened`: losses of all points of the search, sorted.
     - `errors`: by channel, the standard error that one frame would have if its neighbours told nothing of it.
@@ -306,7 +306,7 @@ class Fit:
             )
         if self.curved:
             remarks.append(
-                f"Rough intervals, within which the curves bend: {', '.join(self.curved)}. Profiles are right."
+                f"The curves are nonlinear within the intervals of {', '.join(self.curved)}: take profiles instead."
             )
         return remarks + sentences(self.uncertainty)
 

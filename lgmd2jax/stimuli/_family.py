@@ -38,7 +38,7 @@ _NUMBERS = (int, float, np.number, np.ndarray, jax.Array)
 def family(describe: Callable[P, Sketch]) -> Callable[P, Stimulus]:
     """A renderer that protocols know by name, whose stimuli carry that name and the numbers that they show.
 
-    What does not hang on a traced value is computed at once, also inside of a jitted function: so the window can
+    What does not depend on a traced value is computed at once, also inside of a jitted function: so the window can
     follow from numbers, and numbers can be checked.
 
     **Raises:** `ValueError`, when called, for two arguments that say the same.

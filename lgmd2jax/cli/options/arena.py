@@ -9,7 +9,7 @@ _EXAMPLES = """\
 examples:
   lgmd2jax arena                                  20 arenas, each with a robot of each detector
   lgmd2jax arena --seeds 100 --json arena.json    100 arenas, and the numbers as a file
-  lgmd2jax arena --figure arena.png               also four arenas from above, with the ways of the fitted model
+  lgmd2jax arena --figure arena.png               also four arenas from above, with trajectories of the fitted model
   lgmd2jax arena --turn away                      turn away from the side of more evidence, not at random
   lgmd2jax arena --model mine/model.json          a model of your own in the place of the fitted one
 
@@ -20,7 +20,7 @@ Patterns, noise and flicker of the light are random too. A contact counts once; 
 
 Detectors: none; table1, the paper's model; lgmd2, the fitted one; lgmd1, that of Yue & Rind; difference, a threshold on
 the mean change of the image. The settings of all four were chosen by one rule out of as many candidates (Table I's
-within its ranges) in arenas of other seeds than those that are judged here: fits/arena/detectors.json, written by
+within its ranges) in arenas of other seeds than those of the evaluation: fits/arena/detectors.json, written by
 python -m benchmarks.arena --train. A model that you name is taken to the robot's camera and left as it is.
 
 Intervals are of 95 %, by bootstrap over arenas. Coverage is the share of the free floor's cells of 5 cm that the robot
@@ -50,4 +50,4 @@ def add(commands: argparse._SubParsersAction) -> None:
         help="to a random side, or away from the side of more evidence by 90 to 180 degrees (default: %(default)s)",
     )
     parser.add_argument("--json", type=Path, metavar="FILE", help="also write the numbers, by detector")
-    parser.add_argument("--figure", type=Path, metavar="FILE", help="also draw the ways of lgmd2 in the first arenas")
+    parser.add_argument("--figure", type=Path, metavar="FILE", help="also draw trajectories in the first arenas")

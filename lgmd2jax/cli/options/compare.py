@@ -8,8 +8,8 @@ examples:
   lgmd2jax compare results/plain results/size results/shunt --figure circuits.png
   lgmd2jax compare plain size --properties --csv circuits.csv     also how many of the 22 properties each model holds
 
-AIC and BIC are told of recordings only, and of residuals that are thinned to independent ones: where the targets have
-standard errors of their own and a correlation_ms. R2 of conditions that were left out is told of fits whose recipe
+AIC and BIC are given for recordings only, of residuals that are thinned to independent ones: where the targets have
+standard errors of their own and a correlation_ms. R2 of conditions that were left out is given for fits whose recipe
 asks for it ([validation] leave_one_out).
 """
 
@@ -18,7 +18,7 @@ def add(commands: argparse._SubParsersAction) -> None:
     """Add the command to argparse's sub-commands."""
     parser = commands.add_parser(
         "compare",
-        help="hold fits to the same data side by side",
+        help="compare fits to the same data",
         description="Hold fits to the same stimuli and targets side by side: chi2 and R2 of each curve and in all,\n"
         "parameters with their errors, what was left out and predicted, AIC and BIC.",
         epilog=_EXAMPLES,

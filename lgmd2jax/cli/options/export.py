@@ -14,7 +14,7 @@ examples:
                                                 C99 for a camera of this size, field and rate
   lgmd2jax export lgmd2 --c robot --ram 196608  C99 for the model's own eye, if it fits into 192 KB
   lgmd2jax export video --c robot --protocol robot --clip crash.mp4
-                                                and the gap on these stimuli and on a clip of your own
+                                                and the gap to the hard model on these stimuli and a clip
   lgmd2jax export video --ros lgmd2             a ROS 2 package: images in, alarm and urgency out
 
 With --python the folder needs Python and NumPy, and nothing of lgmd2jax. Whoever loads model.json runs the test clip in
@@ -59,7 +59,7 @@ def add(commands: argparse._SubParsersAction) -> None:
     c.add_argument(
         "--ram", type=int, metavar="BYTES", help="refuse what needs more, with the frame that the camera fills"
     )
-    c.add_argument("--protocol", metavar="PROTOCOL", help="stimuli on which the gap is measured (default: lgmd2)")
+    c.add_argument("--protocol", metavar="PROTOCOL", help="stimuli for the gap to the hard model (default: lgmd2)")
     c.add_argument(
         "--clip", type=Path, action="append", metavar="CLIP", help="a clip on which it is too; may be given again"
     )

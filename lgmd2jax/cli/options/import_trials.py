@@ -19,7 +19,7 @@ The folder holds
   protocol.toml   the looms that were shown, with the spikes in targets/ as what a fit aims at
   fit.toml        the recipe of a fit, to be changed as you like
 Then `lgmd2jax looming mine` tells alpha and delta, and `lgmd2jax fit mine/fit.toml` fits the model.
-Sessions of noise, and animals that do not answer, are told and left out of the targets, as lgmd2jax looming does.
+Sessions of noise, and animals that do not answer, are named and left out of the targets, as by lgmd2jax looming.
 """
 
 

@@ -13,8 +13,8 @@ examples:
   lgmd2jax live tcp://robot:5000 --csv drive.csv   a robot's stream, and the numbers of every frame into a file
   gst-launch-1.0 -q ... ! fdsink | lgmd2jax live - a pipe, of anything that ffmpeg reads
 
-A frame that comes while another one is computed is dropped rather than delayed, and the model is told how long it was
-between the frames that it sees. Latency counts from the arrival of a frame's bytes to the verdict. In a terminal the
+A frame that comes while another one is computed is dropped rather than delayed, and the model takes the true interval
+between the frames that it gets. Latency counts from the arrival of a frame's bytes to the verdict. In a terminal the
 trace of the adapted potential runs along (with rich: pip install 'lgmd2jax[live]'); into a file or a pipe go plain
 lines, one a second and one at each alarm.
 

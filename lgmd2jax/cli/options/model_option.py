@@ -2,7 +2,7 @@
 
 import argparse
 
-MODEL_HELP = "a hand-over file model.json, the name of a shipped fit, or preset:NAME"
+MODEL_HELP = "a result folder or its model.json, the name of a shipped fit, or preset:NAME"
 
 
 def add_model(parser: argparse.ArgumentParser) -> None:

@@ -30,7 +30,7 @@ def add(commands: argparse._SubParsersAction) -> None:
     parser = commands.add_parser(
         "stimuli",
         help="draw what a protocol shows, and write its clips",
-        description="Draw a contact sheet of a protocol: some frames of each condition and its course over time.",
+        description="Draw a contact sheet of a protocol: some frames of each condition and its trajectory.",
         epilog=_EXAMPLES,
     )
     parser.add_argument("protocol", metavar="PROTOCOL", help="a TOML file, or the name of a shipped protocol")

@@ -29,7 +29,7 @@ A file of labelled clips says in which frames an alarm must be raised and in whi
 
 Detectors differ in how often they alarm, so --baselines compares them at equal budgets: 1, 2 and 4 false alarms a
 minute. Each detector, the model too, has the lowest threshold that keeps within the budget on the other sources; so no
-source has a say in the threshold that it is judged by. The model's and Table I's own thresholds are shown besides.
+source has a say in the threshold by which it is evaluated. The model's and Table I's own thresholds are shown besides.
 The interval of how many more windows the model hits is that of a paired bootstrap over sources. With a single source
 its own clips choose, and the report says so.
 
@@ -42,7 +42,7 @@ def add(commands: argparse._SubParsersAction) -> None:
     """Add the command to argparse's sub-commands."""
     parser = commands.add_parser(
         "watch",
-        help="judge a model's alarms on labelled clips",
+        help="evaluate a model's alarms on labelled clips",
         description="Run a model over labelled clips: hits, false alarms a minute, time before contact.",
         epilog=_EXAMPLES,
     )
