@@ -111,7 +111,8 @@ def load_urgency(path: str | os.PathLike) -> Urgency | None:
     table: Mapping[str, Any] | None = calibration_of(path).get("urgency")
     if table is None:
         return None
-    return Urgency(**{name: tuple(value) if isinstance(value, list) else value for name, value in table.items()})
+    values: dict[str, Any] = {name: tuple(table.get(name, ())) for name in hard.CAME_TRUE}
+    return Urgency(**{**table, **values})
 
 
 def fit_urgency(
@@ -133,8 +134,8 @@ def fit_urgency(
             f"contact follows within {within_ms:g} ms in {'all' if happens.all() else 'none'} of the frames; "
             "give clips with contact and clips without"
         )
-    intercept, *weights = logistic_fit(evidence, happens)
-    return Urgency(float(within_ms), float(tau_ms), intercept, *weights)
+    intercept, smp_adapted, level, rise, inhibition = logistic_fit(evidence, happens)
+    return Urgency(float(within_ms), float(tau_ms), intercept, smp_adapted, level, rise, inhibition)
 
 
 def _judged(

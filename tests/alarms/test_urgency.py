@@ -182,7 +182,7 @@ def test_it_stands_in_the_file_and_all_else_stays(path):
     assert alarms.load_urgency(path) is None
     frames = clips.noise(0, (6, 5, 7))
     assert np.isnan(hard.load(path)(frames).urgency).all()
-    alarms.Urgency(400.0, 150.0, *np.arange(5.0).tolist()).save(path)
+    alarms.Urgency(400.0, 150.0, 0.0, 1.0, 2.0, 3.0, 4.0).save(path)
     URGENCY.save(path)
     after = json.loads(path.read_text())
     table = {name: value for name, value in dataclasses.asdict(URGENCY).items() if value != ()}
