@@ -22,29 +22,33 @@ print(json.dumps([len(read), float(value).hex()]))
 """
 
 
-@pytest.fixture
-def start(tmp_path):
-    """Start the program in a process with a cache of its own: how many compiled programs were read, and the value."""
-    user = {name: value for name, value in os.environ.items() if not name.startswith(("JAX_", "XLA_"))}
-    user |= {"XDG_CACHE_HOME": str(tmp_path), "HOME": str(tmp_path), "LOCALAPPDATA": str(tmp_path)}
+class Starts:
+    """Starts of the program, each in a process, with a cache of their own."""
 
-    def process(**more):
-        return subprocess.Popen(
-            [sys.executable, "-c", PROGRAM],
-            env=user | more,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-        )
+    def __init__(self, folder):
+        self.folder = folder
+        user = {name: value for name, value in os.environ.items() if not name.startswith(("JAX_", "XLA_"))}
+        self.environment = user | dict.fromkeys(("XDG_CACHE_HOME", "HOME", "LOCALAPPDATA"), str(folder))
 
-    def run(**more):
-        out, error = (started := process(**more)).communicate()
+    def process(self, **more):
+        line = [sys.executable, "-c", PROGRAM]
+        pipe = subprocess.PIPE
+        return subprocess.Popen(line, env=self.environment | more, stdout=pipe, stderr=pipe, text=True)
+
+    def __call__(self, **more):
+        """How many compiled programs were read, and the value."""
+        started = self.process(**more)
+        out, error = started.communicate()
         assert (started.returncode, error) == (0, "")
         return json.loads(out)
 
-    run.process = process
-    run.kept = lambda: sorted(tmp_path.rglob("*-cache"))
-    return run
+    def kept(self):
+        return sorted(self.folder.rglob("*-cache"))
+
+
+@pytest.fixture
+def start(tmp_path):
+    return Starts(tmp_path)
 
 
 def test_a_second_start_reads_what_the_first_one_compiled_and_answers_the_same(start):
