@@ -4,11 +4,13 @@
 # make test-newest   the tests at the newest versions, on Python 3.13; TESTS=tests/targets takes a part of them
 # make test-robot    hard.py on Python 3.8 with NumPy 1.17
 # make notebooks   set everything up, run the notebooks and write them again
+# make docs   set everything up, build the documentation site; open build/site/index.html
+# make dist   set everything up, build the source archive and the wheel from it, check both; they lie in build/dist/
 # make lint   set everything up, check style, types, and which room imports which
 PYTHON ?= python3
 VENV ?= .venv
 
-.PHONY: fit gallery test test-lowest test-newest test-robot notebooks lint
+.PHONY: fit gallery test test-lowest test-newest test-robot notebooks docs dist lint
 fit: $(VENV)/ready
 	mkdir -p results
 	$(VENV)/bin/lgmd2jax fit fits/lgmd2.toml -o results/lgmd2
@@ -37,6 +39,14 @@ test-robot: $(VENV)/ready
 
 notebooks: $(VENV)/ready
 	$(VENV)/bin/python -m notebooks.build $(NOTEBOOKS)
+
+docs: $(VENV)/ready
+	NO_MKDOCS_2_WARNING=1 $(VENV)/bin/python -m mkdocs build --strict --quiet
+
+dist: $(VENV)/ready
+	rm -rf build/dist
+	$(VENV)/bin/python -m build --quiet --outdir build/dist
+	$(VENV)/bin/twine check --strict build/dist/*
 
 lint: $(VENV)/ready
 	$(VENV)/bin/ruff check

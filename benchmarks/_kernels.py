@@ -9,6 +9,7 @@ import jax.numpy as jnp
 import lgmd2jax as lgmd
 from benchmarks import _library
 from benchmarks._task import FPS, Size
+from lgmd2jax._network.tiles import tile_height
 
 # These name or bundle what is there; all else is work.
 _FREE = {"parameter", "constant", "tuple", "get-tuple-element", "bitcast"}
@@ -29,8 +30,11 @@ def work_per_frame(size: Size) -> Work:
     text = respond.lower(_library.parameters(), frames).compile().as_text()
     assert text is not None
     loop = _pixel_loop(text, size)
-    body, entry = re.escape(loop.split(" ", 1)[0]), text[text.index("\nENTRY ") :]
-    return Work(count_instructions(loop), whole=re.search(rf"body={body}(?![\w.-])", entry) is None)
+    (body,) = re.findall(r"^%[\w.-]+", loop)
+    (around,) = (part for part in text.split("\n}") if re.search(rf"body={re.escape(body)}(?![\w.-])", part))
+    name = re.findall(r"^(?:ENTRY )?(%[\w.-]+) \(", around, re.MULTILINE)[0]
+    called = rf" call\(.*to_apply={re.escape(name)}(?![\w.-])"  # which XLA makes of a loop that it hoists into a kernel
+    return Work(count_instructions(loop), whole=re.search(called, text) is not None)
 
 
 def count_instructions(computation: str) -> dict[str, int]:
@@ -40,8 +44,8 @@ def count_instructions(computation: str) -> dict[str, int]:
 
 
 def _pixel_loop(text: str, size: Size) -> str:
-    """The body of the loop that carries maps, with their border, not of the one over the cell."""
-    shape = f"f32[{size.rows + 2},{size.cols + 2}]"
+    """The body of the loop that carries maps of a tile, with their border, not of the one over the cell."""
+    shape = f"f32[{tile_height(size.rows, 4 * size.cols) + 2},{size.cols + 2}]"
     names = [re.search(r"body=(%[\w.-]+)", line) for line in text.splitlines() if " while(" in line and shape in line]
     (name,) = {found[1] for found in names if found}
     return text[re.search(rf"^{re.escape(name)} \(", text, re.MULTILINE).start() :].split("\n}")[0]

@@ -10,7 +10,11 @@ _load, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
 
 def __getattr__(name: str) -> Any:
-    """A public name, loaded when first used; an old one with a warning."""
+    """A public name, loaded when first used; an old one with a warning; `__version__`, which pyproject.toml states."""
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version(__name__)
     if name == "Network":
         warn_renamed("lgmd2jax.Network", "lgmd2jax.AbstractNetwork")
         return _load("AbstractNetwork")

@@ -74,3 +74,5 @@ from .fitting import (
     strongest_stimulus as strongest_stimulus,
 )
 from .stimuli import Stimulus as Stimulus
+
+__version__: str

@@ -48,7 +48,7 @@ def test_the_numba_loop_over_a_batch():
     films = np.stack([FRAMES, FRAMES[:, ::-1].copy()])
     batch = loop.respond_batch(films, VALUES, FPS)
     for found, frames in zip(batch, films, strict=True):
-        np.testing.assert_array_equal(found, loop.respond(frames, VALUES, FPS))
+        np.testing.assert_equal(found, loop.respond(frames, VALUES, FPS))
 
 
 @pytest.mark.slow

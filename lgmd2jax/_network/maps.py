@@ -10,18 +10,22 @@ from jaxtyping import Array, Float
 from lgmd2jax._types import Map
 
 Bordered = Float[Array, "row_and_border col_and_border"]
+Row = Float[Array, " col"]
 
 
-def bordered(x: Map, onto: Bordered | None = None) -> Bordered:
-    """The map with its edge repeated around it.
+def bordered(x: Map) -> Bordered:
+    """The map with its edge repeated around it."""
+    return jnp.pad(x, 1, mode="edge")
+
+
+def bordered_onto(onto: Bordered, x: Map, above: Row, below: Row) -> Bordered:
+    """The map between two rows, with its edge repeated to the left and the right.
 
     **Arguments:** `onto`: a map of that size which is no longer needed. In a scan it is written over where it lies,
     where a pad on a CPU would copy the map twice.
     """
-    if onto is None:
-        return jnp.pad(x, 1, mode="edge")
     onto = onto.at[1:-1, 1:-1].set(x).at[1:-1, 0].set(x[:, 0]).at[1:-1, -1].set(x[:, -1])
-    return onto.at[0].set(jnp.pad(x[0], 1, mode="edge")).at[-1].set(jnp.pad(x[-1], 1, mode="edge"))
+    return onto.at[0].set(jnp.pad(above, 1, mode="edge")).at[-1].set(jnp.pad(below, 1, mode="edge"))
 
 
 def inside(x: Bordered) -> Map:

@@ -20,11 +20,12 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from lgmd2jax._network.maps import Bordered, bordered, inside, pool
+from lgmd2jax._network.maps import Bordered, inside, pool
 from lgmd2jax._network.medulla import lateral
 from lgmd2jax._network.parameter_set import declared
 from lgmd2jax._network.parts import PixelParts, Traces, signals_of
 from lgmd2jax._network.stages import Interval, Sums
+from lgmd2jax._network.tiles import change, over_tiles
 from lgmd2jax._types import Map, Scalar
 
 Rows = dict[str, Array | None]  # the derivative by each parameter, None for no influence
@@ -42,7 +43,7 @@ def exact_sums(pixels: PixelParts, frames: Float[Array, "time row col"], interva
 
 @eqx.filter_custom_jvp
 def _exact_sums(pixels: PixelParts, frames, interval) -> Sums:
-    return _scan(pixels, frames, interval, ())[0]
+    return _tiled(pixels, frames, interval, ())[0]
 
 
 @_exact_sums.def_jvp
@@ -55,32 +56,43 @@ def _exact_sums_jvp(primals, tangents):
     names = declared(type(pixels.parameters))
     perturbed = {name: getattr(pixels_tangent.parameters, name) for name in names}
     perturbed = {name: tangent for name, tangent in perturbed.items() if tangent is not None}
-    sums, jacobian = _scan(pixels, frames, interval, tuple(perturbed))
+    sums, jacobian = _tiled(pixels, frames, interval, tuple(perturbed))
 
-    def change(value, rows: Rows):
+    def tangent(value, rows: Rows):
         return _total(row * perturbed[name].astype(value.dtype) for name, row in rows.items() if row is not None)
 
-    changes: Iterable[Any] = map(change, sums, jacobian)  # None where nothing changes
-    return sums, Sums(*changes)
+    along: Iterable[Any] = map(tangent, sums, jacobian)  # None where nothing changes
+    return sums, Sums(*along)
+
+
+def _tiled(pixels: PixelParts, frames, interval, names: tuple[str, ...]) -> tuple[Sums, tuple[Rows, Rows]]:
+    """The sums over a clip, and the derivatives of MP and of F by the named parameters, from those of the tiles.
+
+    MP is a sum over the field and F a mean.
+    """
+    (mp, f), (mp_rows, f_rows) = over_tiles(functools.partial(_scan, pixels, frames, interval, names), frames)
+    mp, mp_rows = jax.tree.map(lambda of_tiles: of_tiles.sum(axis=0), (mp, mp_rows))
+    f, f_rows = jax.tree.map(lambda of_tiles: of_tiles.mean(axis=0), (f, f_rows))
+    return Sums(mp, f), (mp_rows, f_rows)
 
 
 class _Carry(NamedTuple):
-    """What goes from frame to frame: the traces, their sensitivities by parameter, and maps to write over."""
+    """What goes from frame to frame: the traces, their sensitivities by parameter, and maps to write over.
+
+    `padded`: of slopes, which zeros surround.
+    """
 
     traces: Traces
     sensitivities: dict[str, Traces]
-    spare: tuple[Bordered, ...]
+    border: Bordered
+    padded: tuple[Map, ...]
 
 
-def _scan(pixels: PixelParts, frames, interval, names: tuple[str, ...]) -> tuple[Sums, tuple[Rows, Rows]]:
-    """The sums over a clip, and the derivatives of MP and of F by the named parameters.
-
-    Frames are read where they lie rather than carried, and the border is laid in place.
-    """
+def _scan(pixels: PixelParts, frames, interval, names: tuple[str, ...], first, height: int):
+    """The same of one tile: `height` rows from row `first` on."""
 
     def step(carry: _Carry, t):
-        border, *spare = carry.spare
-        border = bordered(_change(frames, t), onto=border)
+        border = change(frames, t, first, onto=carry.border)
         own = interval[t] if interval.ndim else interval
 
         def advance(pixels, traces):
@@ -91,15 +103,15 @@ def _scan(pixels: PixelParts, frames, interval, names: tuple[str, ...]) -> tuple
         signals = signals_of(traces)
         if not names:
             mp = pixels.gate_and_pool(pixels.add_flows(signals))
-            return _Carry(traces, {}, (border,)), (Sums(mp, f), ({}, {}))
+            return _Carry(traces, {}, border, ()), (Sums(mp, f), ({}, {}))
         of_advance = _linearised(advance, pixels, carry.traces)
         s, to_signals = jax.vjp(pixels.add_flows, signals)
         # Linearised once for all parameters: XLA would compute the slope of the gate anew for each.
         mp, of_s = jax.linearize(pixels.gate_and_pool, s)
         (slopes,) = to_signals(*jax.linear_transpose(of_s, s)(jnp.ones_like(mp)))
         # The lateral spread is its own adjoint, so two spreads a frame serve the maps of all parameters.
-        spare = [bordered(slope, onto) for slope, onto in zip(slopes[2:], spare, strict=True)]
-        slopes = slopes._asdict() | dict(zip(("d_on", "d_off"), map(lateral, spare), strict=True))
+        padded = tuple(onto.at[2:-2, 2:-2].set(slope) for slope, onto in zip(slopes[2:], carry.padded, strict=True))
+        by_flows, by_delayed = slopes[:2], tuple(map(lateral, padded))
 
         def derivatives(name: str) -> tuple[Traces, Scalar | None, Scalar | None]:
             """Of the traces, MP and F."""
@@ -107,20 +119,20 @@ def _scan(pixels: PixelParts, frames, interval, names: tuple[str, ...]) -> tuple
             maps, df = of_advance(unit, carry.sensitivities[name])
             _, ds = eqx.filter_jvp(lambda stage: stage.add_flows(signals), (pixels,), (unit,))
             _, dmp = eqx.filter_jvp(lambda stage: stage.gate_and_pool(s), (pixels,), (unit,))
-            changes = {field: getattr(maps, field) for field in ("on", "off", "d_on", "d_off")}
-            carried = _total(slopes[field] * inside(map_) for field, map_ in changes.items() if map_ is not None)
-            parts = dmp, None if ds is None else of_s(ds), None if carried is None else pool(carried)
+            flows, delayed = jax.tree.map(inside, (maps.on, maps.off)), (maps.d_on, maps.d_off)
+            carried = _along(by_flows, flows), _along(by_delayed, delayed)
+            parts = dmp, None if ds is None else of_s(ds), *carried
             return maps, _total(parts), df
 
         every = {name: derivatives(name) for name in names}
         maps = {name: of_traces for name, (of_traces, _, _) in every.items()}
         mp_rows: Rows = {name: of_mp for name, (_, of_mp, _) in every.items()}
         f_rows: Rows = {name: of_f for name, (_, _, of_f) in every.items()}
-        return _Carry(traces, maps, (border, *spare)), (Sums(mp, f), (mp_rows, f_rows))
+        return _Carry(traces, maps, border, padded), (Sums(mp, f), (mp_rows, f_rows))
 
-    rest = pixels.traces_at_rest(frames[0])
+    rest = pixels.traces_at_rest(frames[0, :height])
     maps = {name: _maps_at_rest(pixels, name, rest, interval) for name in names}
-    start = _Carry(rest, maps, (rest.on,) * (3 if names else 1))
+    start = _Carry(rest, maps, rest.on, (jnp.pad(rest.on, 1),) * 2 if names else ())
     return jax.lax.scan(step, start, jnp.arange(len(frames)))[1]
 
 
@@ -134,11 +146,6 @@ def _linearised(function, *inputs):
         return eqx.filter_jvp(linear, (zeros,), (tangents,))[1]
 
     return derivative
-
-
-def _change(frames, t) -> Map:
-    """L(t) - L(t-1), with the first frame as what was there before."""
-    return frames[t] - frames[jnp.maximum(t - 1, 0)]
 
 
 def _unit(pixels: PixelParts, name: str):
@@ -163,6 +170,12 @@ def _maps_at_rest(pixels: PixelParts, name: str, rest: Traces, interval: Interva
         maps = jax.tree.map(lambda leaf: jnp.zeros(leaf.shape, leaf.dtype), reached)
         reached = eqx.filter_eval_shape(reach, maps)
     return maps
+
+
+def _along(slopes: Iterable[Map], maps: Iterable[Map | None]) -> Scalar | None:
+    """What MP changes by where the maps of its slopes are changed by others, of which some are None."""
+    products = _total(slope * map_ for slope, map_ in zip(slopes, maps, strict=True) if map_ is not None)
+    return None if products is None else pool(products)
 
 
 def _total(parts: Iterable[Array | None]) -> Array | None:

@@ -1,0 +1,51 @@
+"""The documentation site: what must stand on its pages. `make docs` builds it."""
+
+import json
+import re
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+from docs._make.privacy import loads_from_elsewhere
+from docs._make.public_names import documented, public_names
+from docs._make.schema_pages import schema_page
+
+ROOT = Path(__file__).parents[1]
+
+
+def test_every_public_name_stands_in_the_reference_once():
+    public, entries = public_names(), documented()
+    assert [entry for entry, count in Counter(entries).items() if count > 1] == []
+    assert [entry for entry in entries if entry not in public] == []
+    shown = {id(public[entry]) for entry in entries}
+    assert [name for name, value in public.items() if id(value) not in shown] == []
+
+
+@pytest.mark.parametrize("name", ["recipe", "protocol", "labels", "model", "fit"])
+def test_the_page_of_a_schema_tells_the_meaning_of_every_key(name):
+    page = schema_page(name, "")
+    schema = json.loads((ROOT / "lgmd2jax" / "schemas" / f"{name}.json").read_text())
+    keys = {key for part in (schema, *schema["$defs"].values()) for key in part.get("properties", ())}
+    rows = re.findall(r"^\| `(\w+)` \|.*\| (.*) \|$", page, re.M)
+    assert {key for key, _ in rows} == keys
+    assert [key for key, meaning in rows if not meaning] == []
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        '<script src="https://cdn.example.org/a.js"></script>',
+        "<img alt=x src=//cdn.example.org/a.png>",
+        '<link rel="stylesheet" href="https://fonts.example.org/a.css">',
+        "<style>@import 'https://fonts.example.org/a.css'</style>",
+        "<style>@font-face { src: url(https://fonts.example.org/a.woff2) }</style>",
+    ],
+)
+def test_a_page_that_loads_from_another_host_is_found(text):
+    assert loads_from_elsewhere(f'<p><a href="https://example.org">read</a></p>{text}') != []
+
+
+def test_links_and_own_files_are_not_loaded_from_elsewhere():
+    text = '<a href="https://example.org">read</a><script src="../a.js"></script><link rel="stylesheet" href="a.css">'
+    assert loads_from_elsewhere(text + '<link rel="canonical" href="https://example.org/">') == []
