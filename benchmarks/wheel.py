@@ -34,8 +34,9 @@ def main(arguments: list[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     python = str(options.python.absolute())  # not resolved: a virtual environment is known by this path
     smoke = _SMOKE.replace("WANTED", repr(_version()))
+    programs = {f"program {i}": program for i, program in enumerate(PROGRAMS) if keep(program, options)}
     lines = {"smoke test": [python, "-c", smoke]}
-    lines |= {program.splitlines()[2][:60]: [python, "-c", program] for program in PROGRAMS if keep(program, options)}
+    lines |= {name: [python, "-c", program] for name, program in programs.items()}
     lines |= {it: [python, "-m", "lgmd2jax.cli", *shlex.split(it)[1:]] for it in COMMANDS if keep(it, options)}
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     failed = 0

@@ -14,6 +14,7 @@ import xarray
 
 import lgmd2jax as lgmd
 from lgmd2jax import hard
+from lgmd2jax._recipes.sweep import SweepRecipe
 from lgmd2jax.cli import main
 
 ARCHIVE = Path(__file__).with_name("release_0_1.zip")
@@ -51,11 +52,12 @@ def test_a_fit_loads_with_its_values_and_curves(old):
 
 
 def test_recipes_and_protocol_load(old):
-    recipe = lgmd.load_recipe(old / "fit.toml")
-    assert recipe.free.names == ("theta2", "k")
+    for name, free in (("fit.toml", ("theta2", "k")), ("alarms.toml", ("k", "T_sp"))):
+        recipe = lgmd.load_recipe(old / name)
+        assert not isinstance(recipe, SweepRecipe)
+        assert recipe.free.names == free
+    assert isinstance(lgmd.load_recipe(old / "sweep.toml"), SweepRecipe)
     assert len(lgmd.load_protocol(old / "small.toml").conditions) == 2
-    assert lgmd.load_recipe(old / "alarms.toml").free.names == ("k", "T_sp")
-    assert lgmd.load_recipe(old / "sweep.toml") is not None
 
 
 def test_labels_load_with_their_clips(old):
