@@ -102,7 +102,8 @@ for place, (axes, condition) in enumerate(zip(panels, conditions, strict=True)):
     for name, fit in fits.items():
         curve = fit.curves[place]
         axes.plot(curve.time, curve.hard, label=name)
-    axes.plot(curve.time, curve.target, color="black", linewidth=0.8, label="recorded")
+    wanted = fits["none"].curves[place]
+    axes.plot(wanted.time, wanted.target, color="black", linewidth=0.8, label="recorded")
     axes.set(title=condition.name.removeprefix("dark approach "), xlim=(-300, 300), xlabel="time (ms)")
 panels[0].legend(frameon=False, fontsize=7)
 

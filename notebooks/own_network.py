@@ -19,7 +19,8 @@ from jaxtyping import Array, Float
 import lgmd2jax as lgmd
 
 jax.config.update("jax_enable_x64", True)  # fits want double precision
-Scalar, Map = Float[Array, ""], Float[Array, "row col"]
+Scalar = Float[Array, ""]
+Map = Float[Array, "row col"]
 
 # %% [markdown]
 # ## Parameters

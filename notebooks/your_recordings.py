@@ -13,7 +13,7 @@ import tempfile
 import jax
 import matplotlib.pyplot as plt
 import numpy as np
-from IPython.display import Image
+from PIL import Image
 
 import lgmd2jax as lgmd
 from lgmd2jax.cli import main
@@ -78,7 +78,7 @@ axes.legend(title="alpha", frameon=False)
 # %%
 options = ["--fps", "60", "--stop-angle", "80", "--contrast", "-0.9", "--background", "200"]
 status = main(["import", "recordings", "-o", "mine", *options])
-Image("mine/trials.png", width=800)
+Image.open("mine/trials.png").convert("RGB").quantize(32)
 
 # %% [markdown]
 # **A fit of every animal.** `lgmd2jax fit mine/fit.toml` fits the circuit with a shunt to each animal by itself; here
