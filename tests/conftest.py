@@ -10,6 +10,9 @@ from importlib.metadata import version
 if version("jaxlib").startswith(("0.8.", "0.9.", "0.10.")):
     os.environ.setdefault("XLA_FLAGS", "--xla_cpu_use_fusion_emitters=false")
 
+# The suite tests what is compiled now; the commands, some of them in processes of their own, would keep their programs.
+os.environ["JAX_ENABLE_COMPILATION_CACHE"] = "false"
+
 import jax
 import jaxtyping
 import pytest

@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from importlib.metadata import version
 from types import ModuleType
 
+from lgmd2jax._compute.kept_programs import keep_programs
 from lgmd2jax._compute.xla import set_flags
 from lgmd2jax._words import Remark, is_refusal
 from lgmd2jax.cli.options import (
@@ -55,6 +56,10 @@ examples:
   lgmd2jax fit twin                 fit a model by a shipped recipe
   lgmd2jax respond --help           what a command takes, with examples
 
+environment:
+  JAX_COMPILATION_CACHE_DIR             where compiled programs are kept; by default the user's folder for caches
+  JAX_ENABLE_COMPILATION_CACHE=false    the same as --no-compilation-cache
+
 exit status:
   0    done
   1    something that was given is wrong: one line says what, and how to mend it
@@ -76,6 +81,12 @@ class _Parser(argparse.ArgumentParser):
             default=argparse.SUPPRESS,  # so that it may stand before the command or after it
             help="in an error, also show where in the program it arose",
         )
+        self.add_argument(
+            "--no-compilation-cache",
+            action="store_true",
+            default=argparse.SUPPRESS,
+            help="neither read nor keep compiled programs, which let a second start begin sooner",
+        )
 
     def error(self, message):
         self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
@@ -88,11 +99,11 @@ def main(arguments: list[str] | None = None) -> int:
 
     **Raises:** `SystemExit` for `--help`, `--version`, and what argparse refuses.
     """
-    options = argparse.Namespace(traceback=False)
+    options = argparse.Namespace(traceback=False, no_compilation_cache=False)
     try:
         with _ended_by_ctrl_c() if arguments is None else contextlib.nullcontext():
             _parser().parse_args(arguments, options)
-            command = _loaded(options.command)
+            command = _loaded(options.command, keep=not options.no_compilation_cache)
         with _remarks_as_lines():
             command.run(options)
     except (Exception, KeyboardInterrupt) as error:
@@ -155,9 +166,13 @@ def _parser() -> _Parser:
     return parser
 
 
-def _loaded(command: str) -> ModuleType:
+def _loaded(command: str, *, keep: bool) -> ModuleType:
     """The module of a command, with JAX, which takes seconds: not to be waited for by who asks for help."""
     set_flags()
+    if keep:
+        keep_programs()
+    else:
+        os.environ["JAX_ENABLE_COMPILATION_CACHE"] = "false"
     import jax
 
     jax.config.update("jax_enable_x64", True)

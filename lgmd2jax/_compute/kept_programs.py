@@ -1,0 +1,58 @@
+"""Compiled programs are kept on disk between starts of a command, by JAX's persistent compilation cache."""
+
+import contextlib
+import hashlib
+import os
+import platform
+import warnings
+from importlib.metadata import version
+from pathlib import Path
+
+from lgmd2jax._files.cache import cache_folder
+
+LIMIT = 256 << 20  # bytes; the programs of all commands take some 20 MB
+
+
+def keep_programs() -> None:
+    """Before JAX is imported: ask it to keep what it compiles, unless its user has decided on that.
+
+    The user decides by JAX's own variables, `JAX_COMPILATION_CACHE_DIR` and `JAX_ENABLE_COMPILATION_CACHE`. Processes
+    that this one starts share the folder. A program that cannot be read or written is compiled, and nothing is said.
+    """
+    if {"JAX_COMPILATION_CACHE_DIR", "JAX_ENABLE_COMPILATION_CACHE"} & os.environ.keys():
+        return
+    folder = programs_folder()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:  # no home, a full disk, a file in its place
+        return
+    _drop_oldest(folder.parent)
+    os.environ["JAX_COMPILATION_CACHE_DIR"] = str(folder)
+    # A command compiles dozens of small programs too, each of which takes longer to compile than to read.
+    os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0")
+    os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_ENTRY_SIZE_BYTES", "-1")
+    warnings.filterwarnings("ignore", "Error (reading|writing) persistent compilation cache entry", UserWarning)
+
+
+def programs_folder() -> Path:
+    """The folder for this release of XLA and this kind of processor, for which it compiles."""
+    return cache_folder() / "programs" / f"jaxlib-{version('jaxlib')}-{_processor()}"
+
+
+def _processor() -> str:
+    """A digest of what the processor can do, where Linux tells; else of its name."""
+    told = ""
+    with contextlib.suppress(OSError), open("/proc/cpuinfo", encoding="utf-8") as file:
+        told = next((line for line in file if line.startswith(("flags", "Features"))), "")
+    return hashlib.sha256(f"{platform.machine()} {told or platform.processor()}".encode()).hexdigest()[:12]
+
+
+def _drop_oldest(folder: Path) -> None:
+    """Remove the programs that were used longest ago, of any release, until those that stay keep within the limit."""
+    kept = 0
+    with contextlib.suppress(OSError):  # another process may be removing them too
+        states = [(path, path.stat()) for path in folder.rglob("*-cache")]
+        for path, state in sorted(states, key=lambda each: -max(each[1].st_atime, each[1].st_mtime)):
+            kept += state.st_size
+            if kept > LIMIT:
+                path.unlink(missing_ok=True)
