@@ -22,6 +22,11 @@ class Timing:
     def median(self) -> float:
         return statistics.median(self.rounds)
 
+    @property
+    def least(self) -> float:
+        """Of the round that was disturbed least."""
+        return min(self.rounds)
+
     def over(self, other: "Timing") -> float:
         """How many times as long as `other` of the same run: the median of the ratios in each round."""
         return statistics.median(mine / its for mine, its in zip(self.rounds, other.rounds, strict=True))

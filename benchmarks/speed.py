@@ -9,6 +9,7 @@ frame a stimulus, with compilation apart; ratios are medians of the ratios of ea
 import argparse
 import dataclasses
 import functools
+import itertools
 import json
 import os
 from collections.abc import Callable, Mapping
@@ -20,7 +21,7 @@ import numpy as np
 from tqdm import tqdm
 
 import lgmd2jax as lgmd
-from benchmarks import _gradient_memory, _kernels, _library, _peers, _roofline
+from benchmarks import _accelerator, _gradient_memory, _kernels, _library, _peers, _profile, _roofline
 from benchmarks._claims import Claim, claims
 from benchmarks._task import FPS, LARGE, ROBOT, SMALL, VALUES, Size, film
 from benchmarks._timing import Timing, time_together
@@ -75,6 +76,7 @@ class Run:
     memory: Mapping[tuple[str, int], _gradient_memory.GradientMemory]
     machine: _roofline.Machine | None
     work: Mapping[Size, _kernels.Work]
+    accelerator: _accelerator.Accelerator | None
 
     def ratio(self, subject: str, other: str, size: Size) -> float | None:
         """How many times the time of another a subject takes a frame; None where one of them is missing."""
@@ -102,6 +104,12 @@ def library_subjects(size: Size) -> dict[str, Subject]:
         "naive jacobian": _library.naive_jacobian(),
     }
     return {name: Subject(functools.partial(function, frames)) for name, function in made.items()}
+
+
+def profile_subjects(size: Size) -> dict[str, Subject]:
+    """The loop of the forward up to each of its parts."""
+    frames = jnp.asarray(film(size, FRAMES))
+    return {f"up to {part}": Subject(functools.partial(_profile.up_to(part), frames)) for part in _profile.PARTS}
 
 
 def batch_subjects() -> dict[str, Subject]:
@@ -141,10 +149,10 @@ def measure(quick: bool) -> Run:
     sweep = 4 if quick else SWEEP
     rows = {}
     for size in tqdm((SMALL, ROBOT, LARGE), desc="speed", leave=False):
-        subjects = library_subjects(size) | peer_subjects(size)
+        subjects = library_subjects(size) | profile_subjects(size) | peer_subjects(size)
         if size == SMALL:
             subjects |= batch_subjects()
-            subjects[f"sweep of {sweep**2}, stimuli included"] = Subject(_library.sweep(sweep, sweep), sweep**2 * 100)
+            subjects["sweep, stimuli included"] = Subject(_library.sweep(sweep, sweep), sweep**2 * 100)
         timings = time_together({name: it.call for name, it in subjects.items()}, rounds=3 if quick else 11)
         rows[size] = {
             name: Row(timing, subjects[name].frames, subjects[name].compiled) for name, timing in timings.items()
@@ -155,7 +163,8 @@ def measure(quick: bool) -> Run:
     memory = {case: _gradient_memory.measure(*case) for case in tqdm(cases, desc="memory", leave=False)}
     machine = _peers.find("_numba_machine")
     roofline = machine and machine.measure(tuple(rows))
-    return Run(rows, memory, roofline, {size: _kernels.work_per_frame(size) for size in rows})
+    accelerator = None if jax.default_backend() == "cpu" else _accelerator.measure(rounds=3 if quick else 11)
+    return Run(rows, memory, roofline, {size: _kernels.work_per_frame(size) for size in rows}, accelerator)
 
 
 def table(run: Run) -> str:
@@ -185,7 +194,30 @@ def table(run: Run) -> str:
         parts = ", ".join(f"{count} {kind}" for kind, count in work.kinds.items())
         kernels = "in one kernel for all frames" if work.whole else "each a kernel"
         lines.append(f"work a frame, forward hard, {size}: {sum(work.kinds.values())} ({parts}), {kernels}")
+    lines += ["", *profile_lines(run), "", accelerator_line(run.accelerator)]
     return "\n".join(lines)
+
+
+def profile_lines(run: Run) -> list[str]:
+    """What each part of the forward adds to the loop over frames, by the rounds that were disturbed least."""
+    lines = ["where the time of the hard forward goes: us a frame that a part adds, and its share of the forward"]
+    for size, rows in run.rows.items():
+        least = {name: 1e6 * row.timing.least / row.frames for name, row in rows.items()}
+        whole, until = least["forward hard"], [0.0, *(least[f"up to {part}"] for part in _profile.PARTS)]
+        added = [after - before for before, after in itertools.pairwise(until)]
+        parts = [f"{part} {us:.1f} ({us / whole:.0%})" for part, us in zip(_profile.PARTS, added, strict=True)]
+        lines.append(f"{size!s:8} {', '.join(parts)}; of {whole:.1f}")
+    return lines
+
+
+def accelerator_line(found: _accelerator.Accelerator | None) -> str:
+    """What was measured of an accelerator, or why nothing was."""
+    if found is None:
+        return "accelerator: left out, since JAX finds none here; with one this line tells its speed"
+    return (
+        f"accelerator {found.device}: {_accelerator.BATCH} films at {SMALL}, {found.microseconds:.2f} us a frame each; "
+        f"{found.share:.0%} of {found.bandwidth / 1e9:.0f} GB/s, if maps were passed over once a frame"
+    )
 
 
 def claims_table(found: list[Claim]) -> str:
@@ -211,8 +243,10 @@ def as_json(run: Run, found: list[Claim]) -> str:
         "peak_flops_per_s": run.machine.peak,
     }
     work = {str(size): it._asdict() for size, it in run.work.items()}
+    accelerator = run.accelerator and dataclasses.asdict(run.accelerator)
     verdicts = [{**dataclasses.asdict(claim), "holds": claim.holds} for claim in found]
-    content = {"speed": rows, "memory": memory, "machine": machine, "work": work, "claims": verdicts}
+    content = {"speed": rows, "memory": memory, "machine": machine, "work": work, "accelerator": accelerator}
+    content["claims"] = verdicts
     return json.dumps(content, indent=1) + "\n"
 
 

@@ -64,6 +64,7 @@ TEST_VECTOR = ("fps", "tolerance", "frames", "response")
 CHANNELS = ("mp", "ffi", "smp", "smp_adapted", "spikes", "collision")
 EVIDENCE = ("smp_adapted", "level", "rise", "inhibition")  # of which urgency is a logistic function
 URGENCY = ("within_ms", "tau_ms", "intercept", *EVIDENCE)
+CAME_TRUE = ("foretold", "observed")  # a table of what that function says, rising, and how often it came true
 
 
 class Response(NamedTuple):
@@ -101,7 +102,8 @@ class HardLGMD2:
     - `fps`: frames per second that the parameters belong to; None if every step is given its interval.
     - `n_p`, `low_pass`, `N_ts`: structure, as in the hand-over file.
     - `mechanisms`: the names of those that the model has; `parameters` then holds theirs too (`MECHANISMS`).
-    - `urgency`: how to tell the probability of contact, a number for each of `URGENCY`; None for not at all.
+    - `urgency`: how to tell the probability of contact: a number for each of `URGENCY`, and perhaps the table
+      `CAME_TRUE`, between whose rows it is interpolated; None for not at all.
 
     **Raises:** `ValueError` for parameters that are missing, unknown or out of their domain, and for unknown structure.
     """
@@ -115,7 +117,7 @@ class HardLGMD2:
         low_pass: str = "backward_euler",
         N_ts: int = 4,
         mechanisms: Sequence[str] = (),
-        urgency: Mapping[str, float] | None = None,
+        urgency: Mapping[str, Any] | None = None,
     ):
         _check_names(mechanisms)
         domains = dict(DOMAINS)
@@ -244,7 +246,10 @@ class HardLGMD2:
         inhibition = self._ffi / (self._ffi + self._inhibited_from())
         evidence = (self._smp_adapted - 0.5, self._level - 0.5, smp - self._level, inhibition)
         weighted = (self.urgency[name] * value for name, value in zip(EVIDENCE, evidence))
-        return _sigmoid(self.urgency["intercept"] + sum(weighted))
+        foretold = _sigmoid(self.urgency["intercept"] + sum(weighted))
+        if not self.urgency.get("foretold"):
+            return foretold
+        return float(np.interp(foretold, self.urgency["foretold"], self.urgency["observed"]))
 
     def _inhibited_from(self):
         return self.parameters["A_ffi" if "size" in self.mechanisms else "T_ffi"]
@@ -461,11 +466,18 @@ def _check_structure(structure):
 def _check_urgency(urgency):
     if urgency is None:
         return
-    if not isinstance(urgency, Mapping) or set(urgency) != set(URGENCY):
+    if not isinstance(urgency, Mapping) or set(urgency) - set(CAME_TRUE) != set(URGENCY):
         raise ValueError(f"urgency is {urgency!r}; give {', '.join(URGENCY)}")
-    for name, value in urgency.items():
+    for name in URGENCY:
+        value = urgency[name]
         if not _is_finite(value) or (name.endswith("_ms") and value <= 0):
             raise ValueError(f"{name} of urgency is {value!r}; give a finite number, of ms a positive one")
+    given = [urgency.get(name, []) for name in CAME_TRUE]
+    columns = [_array(list(column) if isinstance(column, tuple) else column, (int, float)) for column in given]
+    for name, column in zip(CAME_TRUE, columns):
+        is_row = column.ndim == 1 and column.dtype.kind in "fi" and column.shape == columns[0].shape
+        if not (is_row and (np.diff(column) >= 0).all() and ((column >= 0) & (column <= 1)).all()):
+            raise ValueError(f"{name} of urgency is {urgency.get(name)!r}; give rising numbers 0..1, as many in both")
 
 
 def _check_eye(eye):

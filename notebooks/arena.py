@@ -47,7 +47,7 @@ for name, outcome in outcomes.items():
     print(f"{name:11} {outcome.collisions_per_metre!s:24} collisions a metre, coverage {outcome.coverage!s}")
 
 # %% [markdown]
-# A second policy turns away from the side of more evidence, by 90 to 180 degrees, instead of to a random one.
+# A second policy turns away from the side of more evidence, by 45 to 135 degrees, instead of to a random one.
 
 # %%
 away = arena.Outcome.of(*arena.run(detectors["lgmd2"], range(8), turn="away"))

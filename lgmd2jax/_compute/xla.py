@@ -5,7 +5,7 @@ from importlib.metadata import version
 
 # A loop over frames becomes one kernel on one core, which takes about half as long to compile. XLA would launch a dozen
 # for every frame, and split each between threads; the starts of a fit and the conditions of a sweep keep cores busier.
-# A loop that touches more than 20 MB a frame, such as the gradient's at 320 x 240, is split as ever.
+# A loop that touches more than 20 MB a frame is split as ever.
 _WHOLE_LOOPS = "--xla_backend_extra_options=xla_cpu_small_while_loop_byte_threshold=20000000"
 # All of a vector register, where XLA would use half of it.
 _WIDE_VECTORS = "--xla_cpu_prefer_vector_width=512"

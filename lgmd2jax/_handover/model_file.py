@@ -75,7 +75,7 @@ def document(model: AbstractNetwork, provenance: Mapping[str, Plain] | None = No
     }
 
 
-def calibrate(path: str | os.PathLike, name: str, values: Mapping[str, float]) -> None:
+def calibrate(path: str | os.PathLike, name: str, values: Mapping[str, Any]) -> None:
     """Put a calibration into a hand-over file, in the place of one of this name; all else stays as it is.
 
     A file of version 1, which has no calibration, becomes one of version 2.

@@ -17,7 +17,8 @@ def add_urgency(
 ) -> str:
     """Calibrate the urgency of the model in a folder, and add it.
 
-    **Arguments:** `held_out`: clips that neither the model nor the urgency was fitted on, on which it is judged.
+    **Arguments:** `held_out`: clips that the model was not fitted on, in which is counted how often that comes true
+    which is said; each is judged by the counts of the others.
 
     **Returns:** how well it does, in a few lines.
     """
@@ -25,8 +26,7 @@ def add_urgency(
 
     path = folder / "model.json"
     model = load(path)
-    urgency = fit_urgency(model, clips, within_ms)
-    found = urgency.reliability(model, held_out)
+    urgency, found = fit_urgency(model, clips, within_ms).recalibrated(model, held_out)
     content = {"urgency": dataclasses.asdict(urgency), "held_out": plain(dataclasses.asdict(found))}
     numbers, diagram = (folder / name for name in URGENCY_FILES)
     with replaced(numbers) as table, replaced(diagram) as figure:

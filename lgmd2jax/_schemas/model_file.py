@@ -14,6 +14,7 @@ from lgmd2jax._network.parameter_set import Symbol
 from lgmd2jax._network.parameters import symbols
 from lgmd2jax._network.structure import structure_fields
 from lgmd2jax._schemas.parts import (
+    NotNegative,
     Number,
     OpenTable,
     Positive,
@@ -74,7 +75,9 @@ def _test_vector() -> type[BaseModel]:
 def _calibration() -> type[BaseModel]:
     """What is measured of a model, by name; of these the urgency is known here."""
     kinds = {name: Positive if name.endswith("_ms") else Number for name in hard.URGENCY}
-    urgency = table("Urgency", {name: (kind, ...) for name, kind in kinds.items()})
+    column = list[Annotated[NotNegative, Field(le=1)]]
+    columns = dict.fromkeys(hard.CAME_TRUE, column)
+    urgency = table("Urgency", {name: (kind, ...) for name, kind in kinds.items()} | columns)
     return table("Calibration", {"urgency": urgency}, base=OpenTable)
 
 

@@ -1,4 +1,8 @@
-"""Trials from the text that Spike2 exports: channels of events, times in seconds."""
+"""Trials from the text that Spike2 exports: channels of events, times in seconds.
+
+The form, with INFORMATION, SUMMARY and CHANNEL and quoted titles, is not checked against an export of Spike2: no
+published description or example of it was found, and the tests make their own.
+"""
 
 import dataclasses
 import re

@@ -9,6 +9,7 @@ from jaxtyping import Bool, Float, Int
 from lgmd2jax.alarms._counts import Share
 
 _BINS = 10
+_ROWS = 16  # of a table of what came true
 _RESAMPLES = 400
 _LARGEST_LOGIT = 30.0  # beyond it a probability is 0 or 1 in print
 _RIDGE = 1e-6  # keeps the weights finite where the outcomes can be told apart without error
@@ -93,6 +94,24 @@ def logistic_fit(x: Float[np.ndarray, "row column"], happens: Bool[np.ndarray, "
     found = scipy.optimize.minimize(loss, start, jac=True, hess=curvature, method="trust-exact").x
     weights = found[1:] / spread
     return [float(found[0] - weights @ mean), *map(float, weights)]
+
+
+def came_true(
+    said: Float[np.ndarray, " frame"], happens: Bool[np.ndarray, " frame"]
+) -> tuple[Float[np.ndarray, " row"], Float[np.ndarray, " row"]]:
+    """How often that comes true which is said, by isotonic regression: a table whose columns rise.
+
+    Each row stands for frames of which as many contacts are foretold, so that the rows of high probability, which are
+    of few frames, are known as well as the others.
+    """
+    order = np.argsort(said)
+    said, happens = said[order], happens[order]
+    mass = np.cumsum(said)
+    row = np.minimum((mass / mass[-1] * _ROWS).astype(int), _ROWS - 1)
+    frames, foretold, contacts = (np.bincount(row, weights, _ROWS) for weights in (None, said, happens))
+    known = frames > 0
+    share = contacts[known] / frames[known]
+    return foretold[known] / frames[known], scipy.optimize.isotonic_regression(share, weights=frames[known]).x
 
 
 def _recalibration(probability, happens, group) -> tuple[Share, Share]:

@@ -3,6 +3,7 @@
 import dataclasses
 import os
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -15,9 +16,10 @@ from lgmd2jax._handover.model_file import calibrate, calibration_of
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._network.stages import Response
 from lgmd2jax.alarms._clip import ClipLabels, LabelledClip
-from lgmd2jax.alarms._reliability import Reliability, logistic_fit
+from lgmd2jax.alarms._reliability import Reliability, came_true, logistic_fit
 
 _TAU_MS = 250.0  # over which the potential is averaged: shorter and longer foretold no better
+_FOLDS = 5  # of clips, each judged by the table of the others
 _SETTLE = 10  # frames at the beginning of a clip, in which the network comes to rest
 
 
@@ -34,6 +36,8 @@ class Urgency:
     It holds for scenes in which contact is as frequent as in the clips that it was fitted on.
 
     - `within_ms`: the time asked for. `tau_ms`: over which the level is averaged.
+    - `foretold`, `observed`: a table of what the logistic function says, rising, and how often it came true, between
+      whose rows it is interpolated; empty for none.
     - `intercept`, and the weights of `smp_adapted`: U' - .5; `level`: the average of U of late, less .5; `rise`: U less
       that average; `inhibition`: Fbar/(Fbar + T), T being T_ffi or A_ffi.
     """
@@ -45,26 +49,58 @@ class Urgency:
     level: float
     rise: float
     inhibition: float
+    foretold: tuple[float, ...] = ()
+    observed: tuple[float, ...] = ()
 
     def __call__(
         self, model: LGMD2, response: Response, interval: Float[Array | np.ndarray, " time"]
     ) -> Float[Array, " time"]:
         """The probability in each frame of a clip. `interval`: ms since the frame before."""
         weights = jnp.array([getattr(self, name) for name in hard.EVIDENCE])
-        return jax.nn.sigmoid(self.intercept + _evidence(model, response, interval, self.tau_ms) @ weights)
+        foretold = jax.nn.sigmoid(self.intercept + _evidence(model, response, interval, self.tau_ms) @ weights)
+        if not self.foretold:
+            return foretold
+        return jnp.interp(foretold, jnp.asarray(self.foretold), jnp.asarray(self.observed))
 
     def reliability(self, model: LGMD2, clips: Sequence[LabelledClip]) -> Reliability:
         """Whether what it says of clips comes true, frame by frame.
 
         **Raises:** `ValueError` for clips of which none tells whether something is hit.
         """
+        said, happens, clip = self._said(model, clips)
+        return Reliability.of(np.interp(said, self.foretold, self.observed) if self.foretold else said, happens, clip)
+
+    def recalibrated(self, model: LGMD2, clips: Sequence[LabelledClip]) -> tuple["Urgency", Reliability]:
+        """With the table of what came true in clips that neither the model nor the urgency was fitted on.
+
+        **Returns:** the urgency, and its reliability on the same clips: a fifth of them each is judged by the table of
+        the others. Fewer than five clips make no table.
+
+        **Raises:** `ValueError` as `reliability`.
+        """
+        said, happens, clip = self._said(model, clips)
+        known = np.unique(clip)
+        if len(known) < _FOLDS:
+            return dataclasses.replace(self, foretold=(), observed=()), Reliability.of(said, happens, clip)
+        fold, probability = np.searchsorted(known, clip) % _FOLDS, np.empty_like(said)
+        for number in range(_FOLDS):
+            own = fold == number
+            probability[own] = np.interp(said[own], *came_true(said[~own], happens[~own]))
+        foretold, observed = (tuple(column.tolist()) for column in came_true(said, happens))
+        found = Reliability.of(probability, happens, clip)
+        return dataclasses.replace(self, foretold=foretold, observed=observed), found
+
+    def _said(
+        self, model: LGMD2, clips: Sequence[LabelledClip]
+    ) -> tuple[Float[np.ndarray, " frame"], Bool[np.ndarray, " frame"], Int[np.ndarray, " frame"]]:
+        """By the logistic function, whether it came true, and the number of the clip."""
         evidence, happens, clip = _judged(model, clips, self.within_ms, self.tau_ms)
         weights = np.array([getattr(self, name) for name in hard.EVIDENCE])
-        return Reliability.of(scipy.special.expit(self.intercept + evidence @ weights), happens, clip)
+        return scipy.special.expit(self.intercept + evidence @ weights), happens, clip
 
     def save(self, path: str | os.PathLike) -> None:
         """Add it to a hand-over file, in the place of one that is there."""
-        calibrate(path, "urgency", dataclasses.asdict(self))
+        calibrate(path, "urgency", {name: value for name, value in dataclasses.asdict(self).items() if value != ()})
 
 
 def load_urgency(path: str | os.PathLike) -> Urgency | None:
@@ -72,8 +108,11 @@ def load_urgency(path: str | os.PathLike) -> Urgency | None:
 
     **Raises:** as `lgmd2jax.load`.
     """
-    table: Mapping[str, float] | None = calibration_of(path).get("urgency")
-    return None if table is None else Urgency(**table)
+    table: Mapping[str, Any] | None = calibration_of(path).get("urgency")
+    if table is None:
+        return None
+    values: dict[str, Any] = {name: tuple(table.get(name, ())) for name in hard.CAME_TRUE}
+    return Urgency(**{**table, **values})
 
 
 def fit_urgency(
@@ -95,8 +134,8 @@ def fit_urgency(
             f"contact follows within {within_ms:g} ms in {'all' if happens.all() else 'none'} of the frames; "
             "give clips with contact and clips without"
         )
-    intercept, *weights = logistic_fit(evidence, happens)
-    return Urgency(float(within_ms), float(tau_ms), intercept, *weights)
+    intercept, smp_adapted, level, rise, inhibition = logistic_fit(evidence, happens)
+    return Urgency(float(within_ms), float(tau_ms), intercept, smp_adapted, level, rise, inhibition)
 
 
 def _judged(

@@ -73,7 +73,8 @@ class Space:
         return eqx.tree_at(where, detector, values)
 
 
-# Table I is searched within its own ranges.
+# Table I is searched within its own ranges. The fitted LGMD2 keeps its other values, which came with a fit to clips, as
+# its own hand-over file has them: that fit may be made anew.
 SPACES: Mapping[str, Space] = {
     "table1": Space(
         "preset:lgmd2",
@@ -87,7 +88,7 @@ SPACES: Mapping[str, Space] = {
         },
     ),
     "lgmd2": Space(
-        "video",
+        "arena",
         {
             "T_s": Range(8, 30, log=True),
             "k": Range(0.5, 3, log=True),

@@ -69,6 +69,9 @@ def fit(
 ) -> Fit:
     """Fit a model's free parameters to target curves.
 
+    One fit an animal is `fit_each(..., by="animal")`, a function of its own, since what it returns holds all their fits
+    with a table and random effects.
+
     The model is fitted as it is: one with hard thresholds by descents on soft ones whose temperature falls, and the
     best *hard* candidate is the result; one with soft thresholds at its own temperature.
 

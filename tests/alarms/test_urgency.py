@@ -12,7 +12,7 @@ import scipy
 import lgmd2jax as lgmd
 from lgmd2jax import alarms, hard
 from lgmd2jax._handover.model_file import as_hard
-from lgmd2jax.alarms._reliability import logistic_fit
+from lgmd2jax.alarms._reliability import came_true, logistic_fit
 from lgmd2jax.alarms._urgency import _judged
 from lgmd2jax.cli import main
 from tests import clips
@@ -21,6 +21,7 @@ from tests.network.test_mechanisms import PARAMETERS
 ROOT = pathlib.Path(__file__).parents[2]
 TRUE = np.array([-2.0, 3.0, -1.5, 2.0, 0.5])  # intercept and weights
 URGENCY = alarms.Urgency(500.0, 150.0, -1.0, 4.0, 2.0, -3.0, 1.5)
+TABLE = dataclasses.replace(URGENCY, foretold=(0.1, 0.3, 0.6), observed=(0.05, 0.3, 0.5))
 INTERVALS = np.random.default_rng(2).uniform(15, 60, 14)
 
 
@@ -58,6 +59,21 @@ def test_on_known_probabilities_the_calibration_is_right():
     assert found.brier.high < found.brier_of_the_mean == pytest.approx(np.var(came))
 
 
+def test_what_came_true_in_other_clips_mends_overconfidence():
+    """Known probabilities, of which a logistic function says twice the log-odds."""
+    x, happens = simulated(3)
+    z = TRUE[0] + x @ TRUE[1:]
+    foretold, observed = came_true(scipy.special.expit(2 * z), happens)
+    assert np.all(np.diff(foretold) > 0)
+    assert np.all(np.diff(observed) >= 0)
+    truth = scipy.special.expit(scipy.special.logit(foretold) / 2)
+    np.testing.assert_allclose(observed, truth, atol=0.06)
+    held, came = simulated(5)
+    said = np.interp(scipy.special.expit(2 * (TRUE[0] + held @ TRUE[1:])), foretold, observed)
+    found = alarms.Reliability.of(said, came, np.arange(len(held)) // 20)
+    assert found.slope.low < 1 < found.slope.high
+
+
 def test_overconfidence_shows():
     x, happens = simulated(3)
     overconfident = scipy.special.expit(2 * (TRUE[0] + x @ TRUE[1:]))
@@ -76,13 +92,14 @@ def test_frames_of_a_clip_that_go_together_widen_the_intervals():
         assert getattr(tenfold, name) == pytest.approx(getattr(once, name), rel=1e-4, abs=1e-4)
 
 
+@pytest.mark.parametrize("urgency", [URGENCY, TABLE], ids=["logistic", "table"])
 @pytest.mark.parametrize("mechanisms", [(), ("size", "shunt", "lag")], ids=str)
-def test_both_programs_tell_the_same(mechanisms):
+def test_both_programs_tell_the_same(mechanisms, urgency):
     model = lgmd.LGMD2(PARAMETERS, mechanisms=mechanisms)
     frames = clips.patchy(33, (14, 5, 7))
-    in_jax = np.asarray(URGENCY(model, model(frames, interval=INTERVALS), INTERVALS))
+    in_jax = np.asarray(urgency(model, model(frames, interval=INTERVALS), INTERVALS))
     whole = as_hard(model)
-    program = hard.HardLGMD2(whole.parameters, mechanisms=mechanisms, urgency=dataclasses.asdict(URGENCY))
+    program = hard.HardLGMD2(whole.parameters, mechanisms=mechanisms, urgency=dataclasses.asdict(urgency))
     in_numpy = hard.Response.over_time(map(program.step, frames, INTERVALS)).urgency
     np.testing.assert_allclose(in_numpy, in_jax, rtol=1e-10)
     assert np.ptp(in_jax) > 0.05
@@ -165,15 +182,19 @@ def test_it_stands_in_the_file_and_all_else_stays(path):
     assert alarms.load_urgency(path) is None
     frames = clips.noise(0, (6, 5, 7))
     assert np.isnan(hard.load(path)(frames).urgency).all()
-    alarms.Urgency(400.0, 150.0, *np.arange(5.0).tolist()).save(path)
+    alarms.Urgency(400.0, 150.0, 0.0, 1.0, 2.0, 3.0, 4.0).save(path)
     URGENCY.save(path)
     after = json.loads(path.read_text())
-    assert after.pop("calibration") == {"urgency": dataclasses.asdict(URGENCY)}
+    table = {name: value for name, value in dataclasses.asdict(URGENCY).items() if value != ()}
+    assert after.pop("calibration") == {"urgency": table}
     assert after == before
     assert alarms.load_urgency(path) == URGENCY
     model = lgmd.load(path)
-    expected = URGENCY(model, model(frames), np.full(6, 1000 / model.eye.fps))
-    np.testing.assert_allclose(hard.load(path)(frames).urgency, expected, rtol=1e-10)
+    for urgency in (TABLE, URGENCY):
+        urgency.save(path)
+        assert alarms.load_urgency(path) == urgency
+        expected = urgency(model, model(frames), np.full(6, 1000 / model.eye.fps))
+        np.testing.assert_allclose(hard.load(path)(frames).urgency, expected, rtol=1e-10)
 
 
 def test_a_file_of_version_1_becomes_one_of_version_2(tmp_path):
@@ -194,12 +215,20 @@ def test_a_file_of_version_1_becomes_one_of_version_2(tmp_path):
 @pytest.mark.parametrize("load", [hard.load, lgmd.load, alarms.load_urgency])
 @pytest.mark.parametrize(
     "wrong",
-    [{"level": None}, {"tau_ms": 0}, {"rise": "much"}, {"within_ms": -5.0}, {"colour": 1.0}],
+    [
+        {"level": None},
+        {"tau_ms": 0},
+        {"rise": "much"},
+        {"within_ms": -5.0},
+        {"colour": 1.0},
+        {"observed": [0.1, 2.0], "foretold": [0.1, 0.2]},
+        {"foretold": [0.1, "much"], "observed": [0.1, 0.2]},
+    ],
     ids=str,
 )
 def test_a_wrong_one_is_refused_by_all_readers(load, wrong, path, tmp_path):
     content = json.loads(path.read_text())
-    urgency = {**dataclasses.asdict(URGENCY), **wrong}
+    urgency = {**dataclasses.asdict(TABLE), **wrong}
     content["calibration"] = {"urgency": {name: value for name, value in urgency.items() if value is not None}}
     other = tmp_path / "model.json"
     other.write_text(json.dumps(content))
@@ -261,7 +290,8 @@ def test_the_command_adds_it_to_a_folder(path, tmp_path, monkeypatch, capsys):
     assert urgency is not None
     assert urgency.within_ms == 700
     numbers = json.loads((folder / "urgency.json").read_text())
-    assert numbers["urgency"] == dataclasses.asdict(urgency)
+    assert numbers["urgency"] == json.loads(json.dumps(dataclasses.asdict(urgency)))
+    assert len(urgency.foretold) == len(urgency.observed) > 1
     assert 0 < numbers["held_out"]["brier"][0] < 1
     assert (folder / "reliability.png").stat().st_size > 10_000
     (tmp_path / "mine.toml").write_text(RECIPE.split("[validation]")[0])

@@ -95,6 +95,8 @@ def test_an_uneven_clock(name):
     expected = hard.Response.over_time(oracle.step(f, ms) for f, ms in zip(frames, interval, strict=True))
     response = compiled(files(name), EYE.rows, EYE.cols)(frames, interval)
     assert hard.first_difference(response, expected, 1e-5) is None
+    np.testing.assert_allclose(response.mp_sides, expected.mp_sides, rtol=1e-5, atol=1e-5 * expected.mp.max())
+    assert np.ptp(expected.mp_sides, axis=1).max() > 0.1 * expected.mp.max()  # the sides are told apart
     assert len(np.unique(expected.smp_adapted)) > 5
 
 

@@ -47,7 +47,7 @@ def add(commands: argparse._SubParsersAction) -> None:
         "--turn",
         choices=("random", "away"),
         default="random",
-        help="to a random side, or away from the side of more evidence by 90 to 180 degrees (default: %(default)s)",
+        help="to a random side, or away from the side of more evidence by 45 to 135 degrees (default: %(default)s)",
     )
     parser.add_argument("--json", type=Path, metavar="FILE", help="also write the numbers, by detector")
     parser.add_argument("--figure", type=Path, metavar="FILE", help="also draw the ways of lgmd2 in the first arenas")
