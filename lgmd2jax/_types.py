@@ -7,12 +7,14 @@ import jax.numpy as jnp
 import numpy as np
 from jax.core import Tracer
 from jaxtyping import Array, Float, PRNGKeyArray, Real, UInt32
+from typing_extensions import TypeAliasType
 
 Scalar = Float[Array, ""]
 Map = Float[Array, "row col"]
 Times = Float[Array, " time"]
-Key = PRNGKeyArray | UInt32[Array, "2"]
-Number = float | int | np.number | Real[Array | np.ndarray, ""]
+# By names of their own, which `help` shows in the place of what they stand for.
+Key = TypeAliasType("Key", PRNGKeyArray | UInt32[Array, "2"])
+Number = TypeAliasType("Number", float | int | np.number | Real[Array | np.ndarray, ""])
 
 Tree = TypeVar("Tree")
 

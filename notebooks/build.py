@@ -1,7 +1,7 @@
 """Make the notebooks from their sources and run each from a clean kernel, top to bottom.
 
 python -m notebooks.build                     all, written beside their sources
-python -m notebooks.build first_steps         only this
+python -m notebooks.build first_fit           only this
 python -m notebooks.build --check             all, and none written
 
 A source is plain Python in cells: `# %%` begins one of code, `# %% [markdown]` one of text in comments.
@@ -10,6 +10,7 @@ A source is plain Python in cells: `# %%` begins one of code, `# %% [markdown]` 
 import argparse
 import re
 import sys
+import tempfile
 import time
 from pathlib import Path
 
@@ -19,9 +20,17 @@ from nbclient import NotebookClient
 from lgmd2jax._files.atomic import replaced
 
 FOLDER = Path(__file__).parent
+TUTORIAL = (
+    "first_fit",
+    "your_recordings",
+    "your_clips",
+    "circuit_limits",
+    "compare_circuits",
+    "fit_to_robot",
+    "own_network",
+)
 PAPER = ("reproduce_paper", "reproduce_recorded", "reproduce_robot")
-AFTER = ("after_the_fit", "telling_stimulus")
-NAMES = ("first_steps", *PAPER, "fit_biology", "your_recordings", *AFTER, "sweep", "mechanism", "deploy", "arena")
+NAMES = (*TUTORIAL, "after_the_fit", "telling_stimulus", "sweep", "arena", *PAPER)
 LIMIT_S, LIMIT_KB = 600, 300
 
 
@@ -49,9 +58,19 @@ def run(name: str) -> nbformat.NotebookNode:
         "language_info": {"name": "python"},
     }
     client = NotebookClient(notebook, timeout=LIMIT_S, record_timing=False)
-    client.execute(cwd=str(FOLDER.parent))
+    with tempfile.TemporaryDirectory() as elsewhere:  # the tutorial needs no clone
+        client.execute(cwd=elsewhere if name in TUTORIAL else str(FOLDER.parent))
     notebook.metadata["language_info"] = {"name": "python"}
+    for cell in notebook.cells:
+        if cell.cell_type == "code":
+            cell.outputs = [output for output in cell.outputs if not _is_artist(output)]
     return notebook
+
+
+def _is_artist(output: nbformat.NotebookNode) -> bool:
+    """Whether it is what a call of matplotlib returned at the end of a cell, with its address; the figure stays."""
+    data = output.get("data", {})
+    return set(data) == {"text/plain"} and "matplotlib." in data["text/plain"]
 
 
 def main() -> int:

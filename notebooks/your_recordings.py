@@ -11,13 +11,12 @@ import pathlib
 import tempfile
 
 import jax
+import matplotlib.pyplot as plt
 import numpy as np
-from IPython.display import Image
-from matplotlib.figure import Figure
+from PIL import Image
 
 import lgmd2jax as lgmd
 from lgmd2jax.cli import main
-from notebooks import plots
 
 jax.config.update("jax_enable_x64", True)  # fits want double precision
 os.chdir(tempfile.mkdtemp())
@@ -39,7 +38,7 @@ for name, header, rows in (
 ):
     with open(folder / name, "w", newline="") as file:
         csv.writer(file).writerows([header, *rows])
-    print((folder / name).read_text()[:120].rpartition("\r\n")[0], "...", sep="\n")
+    print((folder / name).read_text()[:120].rpartition("\n")[0], "...", sep="\n")
 
 # %% [markdown]
 # Reading them is one call. Names of columns tell what is what, with their units; what a file does not tell is asked
@@ -63,14 +62,13 @@ law = recorded.looming_law()
 print(law.summary())
 
 # %%
-figure = Figure(figsize=(5, 3.5), layout="constrained")
-axes = figure.add_subplot(xlabel="l/|v| (ms)", ylabel="peak before collision (ms)")
+figure, axes = plt.subplots(figsize=(5, 3.5), layout="constrained")
+axes.set(xlabel="l/|v| (ms)", ylabel="peak before collision (ms)")
 for name, times in [*law.animals.items(), ("all", law.pooled)]:
     speeds = np.array(list(times.peak_ms))
     (line,) = axes.plot(speeds, times.alpha.value * speeds - times.delta_ms.value, label=f"{name}: {times.alpha}")
     axes.plot(speeds, [-peak for peak in times.peak_ms.values()], "o", color=line.get_color())
 axes.legend(title="alpha", frameon=False)
-plots.drawn(figure)
 
 # %% [markdown]
 # **What was recorded, and a protocol of it.** `lgmd2jax import` shows what it found and writes the looms as a protocol
@@ -80,7 +78,7 @@ plots.drawn(figure)
 # %%
 options = ["--fps", "60", "--stop-angle", "80", "--contrast", "-0.9", "--background", "200"]
 status = main(["import", "recordings", "-o", "mine", *options])
-Image("mine/trials.png", width=800)
+Image.open("mine/trials.png").convert("RGB").quantize(32)
 
 # %% [markdown]
 # **A fit of every animal.** `lgmd2jax fit mine/fit.toml` fits the circuit with a shunt to each animal by itself; here

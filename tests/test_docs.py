@@ -1,5 +1,6 @@
 """The documentation site: what must stand on its pages. `make docs` builds it."""
 
+import inspect
 import json
 import re
 from collections import Counter
@@ -20,6 +21,16 @@ def test_every_public_name_stands_in_the_reference_once():
     assert [entry for entry in entries if entry not in public] == []
     shown = {id(public[entry]) for entry in entries}
     assert [name for name, value in public.items() if id(value) not in shown] == []
+
+
+def test_help_shows_short_types():
+    """A union of arrays and numbers stands behind a name of its own, so that a signature can be read."""
+    functions = {name: value for name, value in public_names().items() if inspect.isroutine(value)}
+    for name, function in functions.items():
+        for argument in inspect.signature(function).parameters.values():
+            if argument.annotation is not argument.empty:
+                shown = inspect.formatannotation(argument.annotation)
+                assert len(shown) <= 160, f"{name}, {argument.name}: {shown}"
 
 
 @pytest.mark.parametrize("name", ["recipe", "protocol", "labels", "model", "fit"])

@@ -10,7 +10,7 @@ def page_of(path, folder: str) -> tuple[str, dict[str, bytes]]:
     **Arguments:** `folder`: of the page in the site, to which the notebook's name is added for the figures.
     """
     text, resources = MarkdownExporter().from_notebook_node(nbformat.read(path, as_version=4))
-    figures = {}
+    text, figures = text.replace("](../docs/", "](../"), {}  # from the place of the notebook to that of its page
     for name, content in resources["outputs"].items():
         text = text.replace(f"]({name})", f"]({path.stem}/{name})")
         figures[f"{folder}/{path.stem}/{name}"] = content

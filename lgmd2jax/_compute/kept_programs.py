@@ -11,6 +11,7 @@ from pathlib import Path
 from lgmd2jax._files.cache import cache_folder
 
 LIMIT = 256 << 20  # bytes; the programs of all commands take some 20 MB
+_UNSAID = [f"Error {doing} persistent compilation cache entry" for doing in ("reading", "writing")]
 
 
 def keep_programs() -> None:
@@ -21,17 +22,20 @@ def keep_programs() -> None:
     """
     if {"JAX_COMPILATION_CACHE_DIR", "JAX_ENABLE_COMPILATION_CACHE"} & os.environ.keys():
         return
-    folder = programs_folder()
     try:
+        folder = programs_folder()
         folder.mkdir(parents=True, exist_ok=True)
-    except OSError:  # no home, a full disk, a file in its place
+    except (OSError, RuntimeError):  # a full disk, a file in its place; no home, of which Path says RuntimeError
         return
     _drop_oldest(folder.parent)
     os.environ["JAX_COMPILATION_CACHE_DIR"] = str(folder)
     # A command compiles dozens of small programs too, each of which takes longer to compile than to read.
     os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0")
     os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_ENTRY_SIZE_BYTES", "-1")
-    warnings.filterwarnings("ignore", "Error (reading|writing) persistent compilation cache entry", UserWarning)
+    for message in _UNSAID:
+        warnings.filterwarnings("ignore", message, UserWarning)
+    quiet = [f"ignore:{message}:UserWarning" for message in _UNSAID]  # for processes that this one starts
+    os.environ["PYTHONWARNINGS"] = ",".join([*filter(None, [os.environ.get("PYTHONWARNINGS")]), *quiet])
 
 
 def programs_folder() -> Path:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from tqdm import tqdm
+from typing_extensions import TypeAliasType
 
 from lgmd2jax._characterise import characterise
 from lgmd2jax._results.fit_folder import fit_folder, load_validated_fit
@@ -17,7 +18,7 @@ from lgmd2jax._results.fit_json import plain
 from lgmd2jax.fitting import Comparison, Fit
 from lgmd2jax.fitting._comparison import Estimate, Held, compared
 
-AnyFit = Fit | str | Path
+AnyFit = TypeAliasType("AnyFit", Fit | str | Path)
 
 
 def compare(

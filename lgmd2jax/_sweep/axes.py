@@ -11,6 +11,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array
+from typing_extensions import TypeAliasType
 
 from lgmd2jax._eye import Eye
 from lgmd2jax._network.abstract import AbstractNetwork
@@ -21,7 +22,7 @@ from lgmd2jax._words import nearest
 from lgmd2jax.stimuli import FAMILIES, Stimulus
 from lgmd2jax.stimuli._family import outline
 
-Models = AbstractNetwork | Sequence[AbstractNetwork] | Mapping[str, AbstractNetwork]
+Models = TypeAliasType("Models", AbstractNetwork | Sequence[AbstractNetwork] | Mapping[str, AbstractNetwork])
 
 
 Kind = Literal["model", "parameter", "stimulus"]

@@ -5,12 +5,14 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from typing_extensions import TypeAliasType
+
 from lgmd2jax._protocol.condition import Condition, Protocol
 from lgmd2jax._targets.target import AnyTarget, Target
 from lgmd2jax.stimuli import Stimulus
 
 # A condition of a protocol, or a stimulus with its target or targets.
-AnyCondition = Condition | tuple[Stimulus, AnyTarget | Sequence[AnyTarget]]
+AnyCondition = TypeAliasType("AnyCondition", Condition | tuple[Stimulus, AnyTarget | Sequence[AnyTarget]])
 
 
 class Rendered(NamedTuple):

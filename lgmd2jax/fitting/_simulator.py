@@ -9,6 +9,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
+from typing_extensions import TypeAliasType
 
 from lgmd2jax._channels import Channel
 from lgmd2jax._compute.batching import each
@@ -24,7 +25,7 @@ from lgmd2jax.fitting._problem import Problem, problem_of
 from lgmd2jax.stimuli import Stimulus
 
 # From the times in ms and the response to a stimulus to the numbers that sum it up.
-Summary = Callable[[Float[Array, " time"], Float[Array, " time"]], Float[Array, " summary"]]
+Summary = TypeAliasType("Summary", Callable[[Float[Array, " time"], Float[Array, " time"]], Float[Array, " summary"]])
 Batch = Float[Array | np.ndarray, "*batch parameter"]
 
 

@@ -10,9 +10,11 @@ import pytest
 from lgmd2jax._compute import kept_programs
 from lgmd2jax._compute.kept_programs import keep_programs, programs_folder
 
-PROGRAM = """
+KEEP = """
 from lgmd2jax._compute.kept_programs import keep_programs
 keep_programs()
+"""
+COMPUTE = """
 import json, jax, jax.numpy as jnp
 read = []
 jax.monitoring.register_event_listener(lambda name, **_: read.append(name) if name.endswith("cache_hits") else None)
@@ -20,6 +22,10 @@ x = jnp.linspace(0.0, 1.0, 64)
 value = jax.jit(lambda x: jax.lax.scan(lambda s, x: (jnp.tanh(s + x), s * x), x.sum(), x)[1].sum())(x)
 print(json.dumps([len(read), float(value).hex()]))
 """
+PROGRAM = KEEP + COMPUTE
+IN_A_PROCESS_OF_ITS_OWN = (
+    f"{KEEP}import subprocess, sys\nsubprocess.run([sys.executable, '-c', {COMPUTE!r}], check=True)"
+)
 
 
 class Starts:
@@ -30,14 +36,14 @@ class Starts:
         user = {name: value for name, value in os.environ.items() if not name.startswith(("JAX_", "XLA_"))}
         self.environment = user | dict.fromkeys(("XDG_CACHE_HOME", "HOME", "LOCALAPPDATA"), str(folder))
 
-    def process(self, **more):
-        line = [sys.executable, "-c", PROGRAM]
+    def process(self, program=PROGRAM, **more):
+        line = [sys.executable, "-c", program]
         pipe = subprocess.PIPE
         return subprocess.Popen(line, env=self.environment | more, stdout=pipe, stderr=pipe, text=True)
 
-    def __call__(self, **more):
+    def __call__(self, program=PROGRAM, **more):
         """How many compiled programs were read, and the value."""
-        started = self.process(**more)
+        started = self.process(program, **more)
         out, error = started.communicate()
         assert (started.returncode, error) == (0, "")
         return json.loads(out)
@@ -67,6 +73,19 @@ def test_spoilt_programs_cost_time_alone(start):
     cut_off.write_bytes(cut_off.read_bytes()[:-40])
     foreign.write_bytes(b"no program")
     assert start() == [len(start.kept()) - 2, value]
+
+
+def test_spoilt_programs_cost_a_process_that_a_start_begins_time_alone(start):
+    _, value = start()
+    for path in start.kept():
+        path.write_bytes(b"no program")
+    assert start(IN_A_PROCESS_OF_ITS_OWN) == [0, value]
+
+
+def test_without_a_home_nothing_is_kept(start):
+    """By a home that is none, which Python meets as it meets a user without one."""
+    assert start(HOME="~", XDG_CACHE_HOME="")[0] == 0
+    assert not start.kept()
 
 
 def test_a_file_where_the_folder_should_be_costs_time_alone(start, tmp_path):
@@ -104,6 +123,7 @@ def test_the_programs_that_were_used_longest_ago_go(tmp_path, monkeypatch):
     for age, name in enumerate("abcd"):
         (old / f"{name}-cache").write_bytes(bytes(100))
         os.utime(old / f"{name}-cache", (10**9 - age, 10**9 - age))
+    monkeypatch.setenv("PYTHONWARNINGS", "")
     keep_programs()
     assert sorted(path.name for path in old.iterdir()) == ["a-cache", "b-cache"]
     assert os.environ["JAX_COMPILATION_CACHE_DIR"] == str(programs_folder())

@@ -9,11 +9,12 @@ import jax.numpy as jnp
 import numpy as np
 import optimistix as optx
 from jaxtyping import Array, Float
+from typing_extensions import TypeAliasType
 
 from lgmd2jax.fitting._search.space import Space
 from lgmd2jax.fitting._solver.levenberg_marquardt import BoundedLevenbergMarquardt
 
-Solver = optx.AbstractLeastSquaresSolver | optx.AbstractMinimiser
+Solver = TypeAliasType("Solver", optx.AbstractLeastSquaresSolver | optx.AbstractMinimiser)
 # Near the hard end the loss is a fine staircase, on which no gradient vanishes: enough when it hardly falls.
 _PATIENCE, _FALL = 20, 1e-3
 CONVERGED = "converged"

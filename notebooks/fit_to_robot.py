@@ -1,5 +1,5 @@
 # %% [markdown]
-# # From the fit to the robot
+# # From fit to robot
 # A model becomes a file that proves itself on loading, and one module of NumPy that runs it.
 
 # %%
@@ -9,15 +9,15 @@ import pathlib
 import tempfile
 
 import imageio.v3 as iio
+import matplotlib.pyplot as plt
 import numpy as np
 
 import lgmd2jax as lgmd
 from lgmd2jax import hard
 from lgmd2jax.cli import main
-from notebooks import plots
-from notebooks.paper_claims import ROBOT_T_SP
 
 folder = pathlib.Path(tempfile.mkdtemp())
+ROBOT_T_SP = 0.65  # the paper's, on the robot
 model = lgmd.LGMD2(lgmd.Parameters(T_sp=ROBOT_T_SP, N_sp=4), eye=lgmd.Eye.preset("colias"))
 lgmd.save(model, folder / "model.json")
 print(f"model.json: {(folder / 'model.json').stat().st_size / 1000:.0f} kB")
@@ -34,7 +34,18 @@ ours = model(frames)
 for channel in ("mp", "ffi", "smp_adapted", "spikes", "collision"):
     one, other = (np.asarray(getattr(it, channel), float) for it in (ours, theirs))
     print(f"{channel:12} equal to a millionth: {np.allclose(one, other, rtol=1e-6, atol=1e-6 * np.abs(one).max())}")
-plots.strip(ball, at_ms=(-500, -200, -100, -66.7, -33.3, 0))
+
+
+def show(images):
+    """Draw pictures side by side, by their titles."""
+    _, axes = plt.subplots(1, len(images), figsize=(8, 8 / len(images)), layout="constrained")
+    for panel, (title, image) in zip(axes, images.items(), strict=True):
+        panel.imshow(image, cmap="gray", vmin=0, vmax=255)
+        panel.set_title(title, fontsize=8)
+        panel.axis("off")
+
+
+show({f"{at:g} ms": frames[int(np.searchsorted(ball.time, at))] for at in (-500, -200, -100, -66.6, -33.3, 0)})
 
 # %% [markdown]
 # Frame by frame, as on the robot. The library stamps every response with the frame that caused it.
@@ -69,4 +80,4 @@ with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.St
     status = main(command)
 pictures = iio.imread(overlaid, plugin="pyav")
 print("exit status", status, "-", len(pictures), "frames")
-plots.pictures({f"frame {at}": pictures[at] for at in range(len(pictures) - 24, len(pictures) - 12, 3)})
+show({f"frame {at}": pictures[at] for at in range(len(pictures) - 24, len(pictures) - 12, 3)})
