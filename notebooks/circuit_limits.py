@@ -93,5 +93,5 @@ for row, target in zip(panels, targets, strict=True):
 # The paper's circuit gives its twin back to two digits. It cannot rise up to collision at all three speeds: its gate
 # closes on the way. It peaks before collision, but for slow discs not where the law of looming does, since its gate
 # follows edge length times speed, not size. With mechanisms the rise is met; this short search, with the pixels held,
-# hardly helps the law. Long searches meet that too, and tell what it costs elsewhere:
+# hardly helps the law. Searches of other curves that free the pixels too are longer; what they reach, and cost:
 # [What each mechanism buys](../docs/model/circuits.md).
