@@ -19,7 +19,9 @@ _DRIVER = Path(__file__).with_name("clip.c")
 
 # `lgmd2_output` of lgmd2.h.
 _NUMBERS = [(name, "f4") for name in ("mp", "ffi", "smp", "smp_adapted")]
-_OUTPUT = np.dtype([*_NUMBERS, ("spikes", "i4"), ("collision", "?"), ("mp_sides", "f4", 3), ("urgency", "f4")], align=True)
+_OUTPUT = np.dtype(
+    [*_NUMBERS, ("spikes", "i4"), ("collision", "?"), ("mp_sides", "f4", 3), ("urgency", "f4")], align=True
+)
 
 
 def compiler() -> str | None:

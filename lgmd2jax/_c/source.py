@@ -25,9 +25,7 @@ class Constant(NamedTuple):
     meaning: str
 
 
-def sources(
-    model: LGMD2, vector: Mapping[str, Any], urgency: Mapping[str, Any] | None = None
-) -> dict[str, str]:
+def sources(model: LGMD2, vector: Mapping[str, Any], urgency: Mapping[str, Any] | None = None) -> dict[str, str]:
     """The text of each file, by its path: the network, its test, a Makefile, and an example for a microcontroller.
 
     **Arguments:** `vector`: the test vector of the model's hand-over file; `urgency`: its calibration, if it has one.
