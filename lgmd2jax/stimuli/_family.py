@@ -1,7 +1,10 @@
 """What makes a function a family of stimuli."""
 
+import dataclasses
 import functools
 import inspect
+import types
+import typing
 from collections.abc import Callable, Mapping
 from typing import Any, ParamSpec
 
@@ -53,9 +56,22 @@ def family(describe: Callable[P, Sketch]) -> Callable[P, Stimulus]:
             frames, courses = draw()
             return Stimulus(frames, arguments["eye"].fps, time, describe.__name__, _numbers(arguments), courses)
 
-    render.__dict__["__signature__"] = signature.replace(return_annotation=Stimulus)
+    shown = [it.replace(annotation=_Shown(it.annotation)) for it in signature.parameters.values()]
+    render.__dict__["__signature__"] = signature.replace(parameters=shown, return_annotation=_Shown(Stimulus))
     FAMILIES[describe.__name__], _SKETCHES[render] = render, describe
     return render
+
+
+@dataclasses.dataclass(frozen=True)
+class _Shown:
+    """A type as `help` is to show it, by bare names. The type itself stands with the wrapped function."""
+
+    kind: Any
+
+    def __repr__(self) -> str:
+        if typing.get_origin(self.kind) in (typing.Union, types.UnionType):
+            return " | ".join(repr(_Shown(part)) for part in typing.get_args(self.kind))
+        return "None" if self.kind is types.NoneType else getattr(self.kind, "__name__", repr(self.kind))
 
 
 def _without_replaced_defaults(arguments: inspect.BoundArguments) -> dict[str, Any]:

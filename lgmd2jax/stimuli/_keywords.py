@@ -9,7 +9,7 @@ from lgmd2jax._words import nearest
 
 def keywords(callee: Callable) -> dict[str, inspect.Parameter]:
     """The keywords that a function takes, or the fields of a class, by name."""
-    every = inspect.signature(callee).parameters.items()
+    every = inspect.signature(inspect.unwrap(callee)).parameters.items()
     return {
         name: parameter
         for name, parameter in every

@@ -88,7 +88,7 @@ def units_of(renderer: Callable) -> dict[str, str]:
     """The units of a renderer's arguments by name, without the brackets that messages put around some."""
     return {
         name: part.name.strip("()")
-        for name, parameter in inspect.signature(renderer).parameters.items()
+        for name, parameter in inspect.signature(inspect.unwrap(renderer)).parameters.items()
         for part in parts_of(parameter.annotation)
         if isinstance(part, Unit)
     }

@@ -54,14 +54,15 @@ def test_every_number_but_the_window_declares_a_unit():
 
 @pytest.mark.parametrize("renderer", stimuli.FAMILIES.values(), ids=stimuli.FAMILIES)
 def test_a_signature_can_be_read(renderer):
-    signature = inspect.signature(renderer)
-    assert len(str(signature)) < 1000
-    assert signature.return_annotation is stimuli.Stimulus
-    assert "Shaped" not in str(signature)
+    shown = str(inspect.signature(renderer))
+    assert len(shown) < 800
+    assert shown.startswith("(eye: Eye, ")
+    assert shown.endswith(" -> Stimulus")
+    assert not re.search("Optional|Union|Shaped|lgmd2jax", shown)
 
 
 def test_the_types_of_an_annotation_are_those_of_its_parts():
-    annotation = inspect.signature(stimuli.looming).parameters["background"].annotation
+    annotation = inspect.get_annotations(inspect.unwrap(stimuli.looming))["background"]
     assert {float, int, stimuli.Background} <= set(parts_of(annotation))
     assert str not in set(parts_of(annotation))
 
