@@ -52,9 +52,11 @@ class AlarmFolder:
 
         self._folder.draw(self._documents(unfinished), draw)
 
-    def add(self, held_out: HeldOutScores | None, comparisons: Mapping[str, Comparison]) -> None:
+    def add(
+        self, unfinished: Sequence[str], held_out: HeldOutScores | None, comparisons: Mapping[str, Comparison]
+    ) -> None:
         """Add what models do on clips that the fit did not see, and the comparisons with plain detectors, by title."""
-        self._folder.add(self._documents((), held_out, comparisons))
+        self._folder.add(self._documents(unfinished, held_out, comparisons))
 
     @property
     def _folder(self) -> ResultsFolder:

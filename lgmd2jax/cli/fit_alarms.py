@@ -1,17 +1,20 @@
 """`lgmd2jax fit RECIPE` for a recipe of kind "alarms": from labelled clips to a model that a robot runs."""
 
 import argparse
+import functools
 import importlib.util
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
+from lgmd2jax._compute.finished_work import Memory
 from lgmd2jax._files.folder import check_folder
+from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._results.alarm_folder import AlarmFolder
 from lgmd2jax._results.results_folder import MARKER, SEARCH
-from lgmd2jax._results.urgency import add_urgency
+from lgmd2jax._results.urgency import URGENCY_FILES, add_urgency
 from lgmd2jax.alarms import (
     AlarmFit,
     AlarmRecipe,
@@ -28,6 +31,7 @@ from lgmd2jax.alarms._detectors import MODEL, TABLE_I, WORDS
 from lgmd2jax.cli.recipe_results import clips_bar, folder_of, kept_work, records, write_stopped
 
 _HELD_OUT = "the scores on clips that the fit did not see"
+_URGENCY = "the urgency"
 _WITHOUT = "Each source of recorded clips, judged by what was fitted without it"
 _TRAINING = 200  # fitted clips on which detectors choose their thresholds
 
@@ -47,6 +51,8 @@ def run(options: argparse.Namespace, recipe: AlarmRecipe, start: float) -> None:
     """Make the fit, write its folder, add its scores on held-out clips, and print the report."""
     folder = folder_of(options, recipe.name)
     check_folder(folder, MARKER)
+    if recipe.within_ms is None and (folder / URGENCY_FILES[0]).is_file():
+        print(f"{folder} has an urgency, which this fit drops; keep one by [urgency] in the recipe", flush=True)
     # First, so that wrong labels show before the others are rendered.
     own = () if options.clips is None else _own_clips(options.clips, recipe)
     clips = own if options.clips_only else (*recipe.file.load(clips_bar), *own)
@@ -60,6 +66,7 @@ def run(options: argparse.Namespace, recipe: AlarmRecipe, start: float) -> None:
             print("no clip has a silence: nothing here speaks against a model that always fires", flush=True)
         fit = recipe.run(clips, progress=True, memory=memory)
         left = [_HELD_OUT] if recipe.validation is not None or fit.without else []
+        left += [] if recipe.within_ms is None else [_URGENCY]
         notes, provenance = records(recipe, digest, start, folder)
         results = AlarmFolder(fit, folder, recipe.name, notes)
         if fit.stopped:
@@ -68,11 +75,12 @@ def run(options: argparse.Namespace, recipe: AlarmRecipe, start: float) -> None:
         results.begin(left, provenance)
         results.draw(left)
         held_out = recipe.held_out()
-        scores, comparisons = _comparisons(fit, clips, held_out)
+        scores, comparisons = _comparisons(fit, clips, held_out, memory)
         if left:
-            results.add(scores, comparisons)
+            results.add(left[1:], scores, comparisons)
         if recipe.within_ms is not None:
             print(add_urgency(folder, clips, held_out, recipe.within_ms))
+            results.add((), scores, comparisons)
     print(fit.summary(scores, comparisons))
     print(f"\nwrote {folder}/ in {time.monotonic() - start:.0f} s; open {folder}/report.html")
 
@@ -88,37 +96,56 @@ def _own_clips(path: Path, recipe: AlarmRecipe) -> tuple[LabelledClip, ...]:
 
 
 def _comparisons(
-    fit: AlarmFit, clips: Sequence[LabelledClip], held_out: Sequence[LabelledClip]
+    fit: AlarmFit, clips: Sequence[LabelledClip], held_out: Sequence[LabelledClip], memory: Memory
 ) -> tuple[HeldOutScores | None, dict[str, Comparison]]:
     """The fitted model beside the paper's and plain detectors: on clips that no fit saw, and source by source.
 
-    Where no silence says how often a detector may alarm, there is no comparison.
+    Where no silence says how often a detector may alarm, there is no comparison. `memory`: keeps what each detector
+    did, as of the fit.
     """
+    others = functools.partial(_kept, memory, functools.partial(_others, fit.model))
     scores, comparisons = None, {}
     if held_out:
-        shown = {MODEL: evaluate(fit.model, held_out), **_others(held_out, fit)}
+        own = _kept(memory, lambda some: {MODEL: evaluate(fit.model, some)}, "the model, held out", held_out)
+        shown = {**own, **others("detectors, held out", held_out)}
         scores = HeldOutScores.of({"fitted": shown[MODEL], **{WORDS[name]: shown[name] for name in TABLE_I}})
-        words, training = _training(fit, clips)
-        if scores.minutes and training[MODEL].silent_minutes:
+        words, some, fitted = _training(fit, clips)
+        if scores.minutes and fitted.silent_minutes:
+            training = {MODEL: fitted, **others("detectors, fitted clips", some)}
             title = f"Clips that the fit did not see: {scores.windows} windows, {scores.minutes:.1f} silent minutes"
             comparisons[title] = Comparison.of(_detectors(shown), (words, training))
     recorded = np.array([clip.source is not None for clip in clips])
     if fit.without and fit.evaluation.among(recorded).silent_minutes:
         own = Detector(fit.evaluation.among(recorded), fit.without)
-        others = _others([clip for clip in clips if clip.source is not None], fit)
-        comparisons[_WITHOUT] = Comparison.of({MODEL: own, **_detectors(others)})
+        sources = [clip for clip in clips if clip.source is not None]
+        comparisons[_WITHOUT] = Comparison.of({MODEL: own, **_detectors(others("detectors, recorded clips", sources))})
     return scores, comparisons
 
 
-def _training(fit: AlarmFit, clips: Sequence[LabelledClip]) -> tuple[str, dict[str, Evaluation]]:
-    """Some of the fitted clips in words, and what each detector does on them: rendered ones, if there are any."""
+def _training(fit: AlarmFit, clips: Sequence[LabelledClip]) -> tuple[str, list[LabelledClip], Evaluation]:
+    """Some of the fitted clips, in words and themselves, and what the model does on them: rendered ones, if any."""
     rendered = np.array([clip.source is None for clip in clips])
     chosen = rendered if rendered.any() else np.ones(len(clips), bool)
     chosen &= np.cumsum(chosen) <= _TRAINING
     some = [clip for clip, on in zip(clips, chosen, strict=True) if on]
-    return f"by {len(some)} of the clips that were fitted", {
-        MODEL: fit.evaluation.among(chosen),
-        **_others(some, fit),
+    return f"by {len(some)} of the clips that were fitted", some, fit.evaluation.among(chosen)
+
+
+def _kept(
+    memory: Memory,
+    judge: Callable[[Sequence[LabelledClip]], Mapping[str, Evaluation]],
+    key: str,
+    clips: Sequence[LabelledClip],
+) -> dict[str, Evaluation]:
+    """What detectors do on clips: judged once, then taken from the memory, so that a fit goes on with it."""
+    if key not in memory:
+        memory[key] = {
+            name: {"T_sp": each.T_sp, "evidence": [trace.tolist() for trace in each.evidence]}
+            for name, each in judge(clips).items()
+        }
+    return {
+        name: Evaluation(tuple(clips), tuple(np.array(trace, float) for trace in each["evidence"]), each["T_sp"])
+        for name, each in memory[key].items()
     }
 
 
@@ -126,6 +153,6 @@ def _detectors(evaluations: Mapping[str, Evaluation]) -> dict[str, Detector]:
     return {name: Detector(evaluation) for name, evaluation in evaluations.items()}
 
 
-def _others(clips: Sequence[LabelledClip], fit: AlarmFit) -> dict[str, Evaluation]:
+def _others(model: LGMD2, clips: Sequence[LabelledClip]) -> dict[str, Evaluation]:
     """What the detectors do that the model is compared with; without OpenCV that of the optical flow is left out."""
-    return detectors(clips, fit.model, flow=importlib.util.find_spec("cv2") is not None)
+    return detectors(clips, model, flow=importlib.util.find_spec("cv2") is not None)

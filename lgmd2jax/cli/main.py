@@ -4,7 +4,6 @@ import argparse
 import contextlib
 import importlib
 import os
-import signal
 import sys
 import traceback
 import warnings
@@ -14,6 +13,7 @@ from types import ModuleType
 
 from lgmd2jax._compute.kept_programs import keep_programs
 from lgmd2jax._compute.xla import set_flags
+from lgmd2jax._ctrl_c import STOPPED, ended_by_ctrl_c
 from lgmd2jax._words import Remark, is_refusal
 from lgmd2jax.cli.options import (
     arena,
@@ -67,7 +67,6 @@ exit status:
   70   a fault of lgmd2jax itself: please report it, with what --traceback shows
   130  stopped by Ctrl-C
 """
-_STOPPED = "stopped; nothing was written"
 
 
 class _Parser(argparse.ArgumentParser):
@@ -101,7 +100,7 @@ def main(arguments: list[str] | None = None) -> int:
     """
     options = argparse.Namespace(traceback=False, no_compilation_cache=False)
     try:
-        with _ended_by_ctrl_c() if arguments is None else contextlib.nullcontext():
+        with ended_by_ctrl_c() if arguments is None else contextlib.nullcontext():
             _parser().parse_args(arguments, options)
             command = _loaded(options.command, keep=not options.no_compilation_cache)
         with _remarks_as_lines():
@@ -130,27 +129,6 @@ def _remarks_as_lines() -> Iterator[None]:
 
         warnings.showwarning = line
         yield
-
-
-@contextlib.contextmanager
-def _ended_by_ctrl_c() -> Iterator[None]:
-    """End the process at once on Ctrl-C, while modules load and nothing is begun.
-
-    Extension modules crash on an exception amid their set-up, or swallow it.
-    """
-    if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:  # a job in the background ignores Ctrl-C
-        yield
-        return
-
-    def end(*_):
-        os.write(2, f"lgmd2jax: {_STOPPED}\n".encode())
-        os._exit(130)
-
-    signal.signal(signal.SIGINT, end)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def _parser() -> _Parser:
@@ -182,7 +160,7 @@ def _loaded(command: str, *, keep: bool) -> ModuleType:
 def _explanation(error: BaseException) -> tuple[str, int]:
     """What is said of an error, and the exit status."""
     if isinstance(error, KeyboardInterrupt):
-        return _STOPPED, 130
+        return STOPPED, 130
     if isinstance(error, OSError) and error.strerror:
         return f"{error.filename}: {error.strerror}" if error.filename else error.strerror, 1
     if isinstance(error, OSError) or is_refusal(error):

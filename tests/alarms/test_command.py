@@ -11,6 +11,7 @@ from matplotlib.colors import to_rgb
 
 import lgmd2jax as lgmd
 from lgmd2jax import hard
+from lgmd2jax._compute.finished_work import FileMemory
 from lgmd2jax._figures.alarms import clips_figure
 from lgmd2jax.alarms import Rendering, detectors, evaluate, load_labels
 from lgmd2jax.alarms._starts import AlarmStarts
@@ -170,6 +171,45 @@ def test_ctrl_c_before_anything_is_finished_writes_nothing(place, monkeypatch, c
     assert main(["fit", str(place / "mine.toml"), "-o", str(place / "stopped")]) == 130
     assert capsys.readouterr().err.strip().endswith("stopped; nothing was written")
     assert not (place / "stopped").exists()
+
+
+def test_what_is_stopped_amid_its_held_out_scores_goes_on_with_them(place, monkeypatch):
+    """Whoever judges a detector again, of those that were judged before Ctrl-C, fails the test."""
+    folder, write, keys = place / "amid", FileMemory.__setitem__, []
+    (place / "urgent.toml").write_text(RECIPE + "[urgency]\nwithin_ms = 500\n")
+    command = ["fit", str(place / "urgent.toml"), "--clips", str(place / "own.toml"), "-o", str(folder)]
+
+    def stopped(self, key, value):
+        write(self, key, value)
+        keys.append(key)
+        if key == "detectors, recorded clips":
+            raise KeyboardInterrupt
+
+    def stopped_again(*_):
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(FileMemory, "__setitem__", stopped)
+        with pytest.raises(SystemExit, match="130"):
+            main(command)
+    assert {"the model, held out", "detectors, held out", "detectors, fitted clips"} < set(keys)
+    left = ["the scores on clips that the fit did not see", "the urgency"]
+    assert json.loads((folder / "fit.json").read_text())["unfinished"] == left
+    with monkeypatch.context() as patch:
+        for judge in ("evaluate", "detectors"):
+            patch.setattr(f"lgmd2jax.cli.fit_alarms.{judge}", lambda *_, **__: pytest.fail("judged again"))
+        patch.setattr("lgmd2jax.cli.fit_alarms.add_urgency", stopped_again)
+        with pytest.raises(SystemExit, match="130"):
+            main([*command, "--resume"])
+        assert json.loads((folder / "fit.json").read_text())["unfinished"] == ["the urgency"]
+        patch.setattr("lgmd2jax.cli.fit_alarms.add_urgency", lambda *_: "urgency: told")
+        assert main([*command, "--resume"]) == 0
+    for name in ("clips.csv", "report.txt"):
+        assert (folder / name).read_bytes() == (place / "mine" / name).read_bytes()
+    contents = [json.loads((at / "fit.json").read_text()) for at in (folder, place / "mine")]
+    assert [content.pop(name) for content in contents for name in ("made", "name", "recipe", "digest")]
+    assert contents[0] == contents[1]
+    assert not list(place.glob(".*"))
 
 
 def test_clips_go_with_alarms_alone(place, capsys):

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import lgmd2jax as lgmd
+from lgmd2jax import alarms
 from lgmd2jax.cli import main
 from tests.c.programs import tool
 
@@ -86,6 +87,20 @@ def test_another_eye(export, tmp_path):
     assert json.loads((tmp_path / "robot" / "model.json").read_text())["provenance"]["recipe"] == "mine"
     assert ".A_ffi = 0.1f" in (tmp_path / "robot" / "lgmd2.c").read_text()
     assert "#define LGMD2_ROWS 20\n" in (tmp_path / "robot" / "lgmd2.h").read_text()
+
+
+def test_the_urgency_goes_with_the_eye_that_it_was_calibrated_for(export, original, tmp_path):
+    calibrated = tmp_path / "calibrated.json"
+    calibrated.write_bytes(original.read_bytes())
+    alarms.Urgency(400.0, 150.0, 0.0, 1.0, 2.0, 3.0, 4.0).save(calibrated)
+    status, out, _ = export(model=calibrated)
+    assert status == 0
+    assert "the urgency" not in out
+    assert "the probability of contact within 400 ms" in (tmp_path / "robot" / "lgmd2.h").read_text()
+    status, out, _ = export("--fps", "25", model=calibrated)
+    assert status == 0
+    assert "the urgency was calibrated for the model's own eye, and is left out" in out.splitlines()
+    assert "output->urgency = NAN;" in (tmp_path / "robot" / "lgmd2.c").read_text()
 
 
 def test_a_preset_gets_its_eye_here(export):

@@ -5,7 +5,9 @@ import re
 import signal
 import subprocess
 import sys
+import tomllib
 from importlib.metadata import version
+from pathlib import Path
 
 import pytest
 
@@ -197,6 +199,31 @@ raise SystemExit(main())
     process = in_a_process(program)
     assert (process.returncode, process.stderr) == (130, "lgmd2jax: stopped; nothing was written\n")
     assert not (tmp_path / "robot").exists()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals are for POSIX systems")
+@pytest.mark.parametrize("module", ["lgmd2jax.cli", "argparse", "lgmd2jax.cli.options.sweep"])
+def test_ctrl_c_before_the_command_line_is_read_is_one_line(module):
+    """The installed program is the one that pyproject.toml states."""
+    project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text(encoding="utf-8"))
+    begins, _, function = project["project"]["scripts"]["lgmd2jax"].partition(":")
+    program = f"""
+import os, signal, sys
+signal.signal(signal.SIGINT, signal.default_int_handler)
+
+class Hand:
+    def find_spec(name, *_):
+        if name == {module!r}:
+            os.kill(os.getpid(), signal.SIGINT)
+
+sys.meta_path.insert(0, Hand)
+from {begins} import {function}
+sys.argv = ["lgmd2jax", "--version"]
+raise SystemExit({function}())
+"""
+    process = in_a_process(program)
+    assert (process.returncode, process.stdout) == (130, "")
+    assert process.stderr == "lgmd2jax: stopped; nothing was written\n"
 
 
 def test_ctrl_c_in_a_command_is_one_line_and_leaves_the_handler(monkeypatch, capsys):
