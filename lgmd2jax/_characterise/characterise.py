@@ -137,8 +137,9 @@ def _usable(model: AbstractNetwork) -> Eye:
     eye = model.eye
     if eye is None:
         raise ValueError(
-            "the model has no eye, so it is not known what it sees; give it one: LGMD2(parameters, eye=Eye(...)), "
-            "and for other than its own frame rate at_frame_rate(model, 100)"
+            "the model has no eye, so it is not known what it sees; give it one: "
+            f"{type(model).__name__}(parameters, eye=Eye(...)), and for other than its own frame rate "
+            "at_frame_rate(model, 100)"
         )
     if eye.degrees_per_pixel is None:
         raise ValueError("the eye is known in pixels alone; give it degrees_per_pixel")
