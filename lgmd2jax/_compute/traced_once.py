@@ -77,7 +77,7 @@ def traced_once(function: Callable[P, Out]) -> Callable[P, Out]:
         bound.apply_defaults()
         leaves, tree = jax.tree.flatten((bound.args, bound.kwargs))
         arrays = [leaf for leaf in leaves if eqx.is_array(leaf)]
-        if not is_concrete(*arrays) or jax.config.read("jax_disable_jit") or jax.device_count() > 1:
+        if not is_concrete(*arrays) or jax.device_count() > 1:
             return jitted(*args, **kwargs)
         holes = [_hole(leaf) if eqx.is_array(leaf) else leaf for leaf in leaves]
         key = _settings(), tree, *((type(leaf), leaf) for leaf in holes)
