@@ -3,7 +3,6 @@
 import dataclasses
 from collections.abc import Mapping
 
-import equinox as eqx
 import numpy as np
 from jaxtyping import Array, Key
 
@@ -12,6 +11,7 @@ from lgmd2jax._characterise.exam import Exam, ExamSums, exam_of, sums_of
 from lgmd2jax._characterise.measurements import Measurements, measure, result_of
 from lgmd2jax._characterise.result import Characterisation, JudgedAs
 from lgmd2jax._characterise.selectivity import Estimate, intervals
+from lgmd2jax._compute.traced_once import traced_once
 from lgmd2jax._eye import Eye
 from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.parameters import symbols
@@ -118,7 +118,7 @@ def _result(model: AbstractNetwork, exam: Exam, neuron: JudgedAs, progress: bool
     return result_of(exam, neuron, _measure(exam, sums_of(exam, model, progress), model))
 
 
-@eqx.filter_jit
+@traced_once
 def _measure(exam: Exam, sums: ExamSums, model: AbstractNetwork) -> Measurements:
     return measure(curves_of(exam, sums, model))
 
