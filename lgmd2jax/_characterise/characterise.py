@@ -3,7 +3,6 @@
 import dataclasses
 from collections.abc import Mapping
 
-import equinox as eqx
 import numpy as np
 from jaxtyping import Array, Key
 
@@ -12,6 +11,7 @@ from lgmd2jax._characterise.exam import Exam, ExamSums, exam_of, sums_of
 from lgmd2jax._characterise.measurements import Measurements, measure, result_of
 from lgmd2jax._characterise.result import Characterisation, JudgedAs
 from lgmd2jax._characterise.selectivity import Estimate, intervals
+from lgmd2jax._compute.traced_once import traced_once
 from lgmd2jax._eye import Eye
 from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.parameters import symbols
@@ -118,7 +118,7 @@ def _result(model: AbstractNetwork, exam: Exam, neuron: JudgedAs, progress: bool
     return result_of(exam, neuron, _measure(exam, sums_of(exam, model, progress), model))
 
 
-@eqx.filter_jit
+@traced_once
 def _measure(exam: Exam, sums: ExamSums, model: AbstractNetwork) -> Measurements:
     return measure(curves_of(exam, sums, model))
 
@@ -137,8 +137,9 @@ def _usable(model: AbstractNetwork) -> Eye:
     eye = model.eye
     if eye is None:
         raise ValueError(
-            "the model has no eye, so it is not known what it sees; give it one: LGMD2(parameters, eye=Eye(...)), "
-            "and for other than its own frame rate at_frame_rate(model, 100)"
+            "the model has no eye, so it is not known what it sees; give it one: "
+            f"{type(model).__name__}(parameters, eye=Eye(...)), and for other than its own frame rate "
+            "at_frame_rate(model, 100)"
         )
     if eye.degrees_per_pixel is None:
         raise ValueError("the eye is known in pixels alone; give it degrees_per_pixel")

@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import PRNGKeyArray
 
 from lgmd2jax._compute.batching import each_on_all_devices
+from lgmd2jax._compute.traced_once import traced_once
 from lgmd2jax._eye import Eye
 from lgmd2jax.arena._camera import EYE, Scene
 from lgmd2jax.arena._detectors import AbstractDetector
@@ -47,7 +48,7 @@ def run(
     return layouts, trips(detector, Start.stacked(seeds), turn=turn, seconds=seconds, eye=eye)
 
 
-@eqx.filter_jit
+@traced_once
 def trips(
     detector: AbstractDetector, starts: Start, *, turn: Turn = "random", seconds: float = SECONDS, eye: Eye = EYE
 ) -> Trip:

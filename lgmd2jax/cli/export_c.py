@@ -46,7 +46,7 @@ def export_c(options: argparse.Namespace) -> None:
     needs = _check_memory(memory(model, eye.rows, eye.cols, urgency is not None), options.ram)
     conditions = load_protocol(options.protocol or "lgmd2").conditions
     clips = [open_clip(path, resize=eye.cols) for path in options.clip or ()]
-    films = list(_progress(_films(conditions, eye, clips), "films", len(conditions) + len(clips)))
+    films = list(_progress(_films(conditions, eye, clips), "stimuli", len(conditions) + len(clips)))
     files = _write(folder, model, path if model is own else None, _provenance(path))
 
     size = f"{eye.rows} x {eye.cols} pixels of {eye.degrees_per_pixel:g} degrees at {eye.fps:g} fps"
@@ -153,17 +153,21 @@ def _changes(own: LGMD2, model: LGMD2) -> str:
         for name in declared(type(own.parameters))
         if name not in own.unused
     }
-    changes = [f"{name} {before:.4g} to {after:.4g}" for name, (before, after) in values.items() if before != after]
+    changes = [f"{name} {before:.4g} -> {after:.4g}" for name, (before, after) in values.items() if before != after]
     if own.N_ts != model.N_ts:
-        changes.append(f"N_ts {own.N_ts} to {model.N_ts}")
-    return f"for this eye: {', '.join(changes)}" if changes else "all parameters as they are: they belong to this eye"
+        changes.append(f"N_ts {own.N_ts} -> {model.N_ts}")
+    return (
+        f"changed for this eye: {', '.join(changes)}"
+        if changes
+        else "all parameters as they are: they belong to this eye"
+    )
 
 
 def _table(by_name: Mapping[str, Gap], films: Sequence[Film]) -> str:
     words = {"soft": f"soft, temperature {_TEMPERATURE:g}", "C": "C"}
     frames = sum(len(film.frames) for film in films)
-    heading = "largest difference of U'  frames with other spikes  alarms that move  film of that difference"
-    lines = [f"gap to the hard model over {len(films)} films, {frames:,} frames:", f"  {'':22}  {heading}"]
+    heading = "largest difference of U'  frames with other spikes  alarms that move  where that difference is"
+    lines = [f"gap to the hard model over {len(films)} stimuli and clips, {frames:,} frames:", f"  {'':22}  {heading}"]
     for name, gap in by_name.items():
         numbers = f"{gap.difference:24.2g}{gap.other_counts:26}{gap.moved_alarms:18}"
         lines.append(f"  {words[name]:22}  {numbers}  {gap.film}")

@@ -8,7 +8,6 @@ from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
-import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
@@ -16,6 +15,7 @@ from jaxtyping import Array, Float
 from lgmd2jax._compute.fingerprint import fingerprint
 from lgmd2jax._compute.finished_work import Memory
 from lgmd2jax._compute.tasks import Result, Work
+from lgmd2jax._compute.traced_once import traced_once
 from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.noise import inhibition_in_noise
 from lgmd2jax._network.thresholds import Hard, Soft, StraightThrough
@@ -249,7 +249,7 @@ def _chosen(
     return candidates[best], losses[best], {"choice": choice}
 
 
-@eqx.filter_jit
+@traced_once
 def _hard_loss(problem: Problem, z: Float[Array, " free"]) -> Float[Array, ""]:
     return 0.5 * jnp.square(problem.residuals(z, None)).sum()
 
@@ -298,7 +298,7 @@ def _uncertainty(problem: Problem, z: Float[np.ndarray, " free"], slopes: Sensit
     )
 
 
-@eqx.filter_jit
+@traced_once
 def _hard_curves(problem: Problem, z: Float[Array, " free"]) -> Curves:
     model, observation = problem.at(z)
     hard = dataclasses.replace(model, thresholds=Hard())

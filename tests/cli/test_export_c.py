@@ -64,7 +64,7 @@ def test_the_models_own_eye(export, original, tmp_path):
     assert wrote.startswith(f"wrote {folder}: C99 for 10 x 14 pixels of 5 degrees at 50 fps; there: make test")
     assert re.fullmatch(r"RAM: [\d,]+ bytes, of the state [\d,]+, of the frame 140", ram)
     assert changes == "all parameters as they are: they belong to this eye"
-    assert gap == "gap to the hard model over 2 films, 52 frames:"
+    assert gap == "gap to the hard model over 2 stimuli and clips, 52 frames:"
     assert re.fullmatch(r"  soft, temperature 0.05 +0?\.\d+ +\d+ +\d+  loom [24]0", soft)
     in_c = re.fullmatch(r"  C +(\S+) +0 +0  loom [24]0", c)
     assert in_c is not None
@@ -78,8 +78,9 @@ def test_another_eye(export, tmp_path):
     """Twice the field at half the rate: k and A_ffi by the area, k and the thresholds of changes by the interval."""
     status, out, _ = export("--rows", "20", "--cols", "14", "--degrees-per-pixel", "5", "--fps", "25")
     assert status == 0
-    assert "for this eye: sigma1 0.1 to 0.01, T_s 10 to 20, T_sfa 0.001 to 0.002, N_sp 6 to 3, A_ffi 0.2 to 0.1," in out
-    assert "N_ts 4 to 1" in out
+    assert "changed for this eye: sigma1 0.1 -> 0.01, T_s 10 -> 20, T_sfa 0.001 -> 0.002, N_sp 6 -> 3, " in out
+    assert "A_ffi 0.2 -> 0.1, " in out
+    assert "N_ts 4 -> 1" in out
     there = lgmd.load(tmp_path / "robot" / "model.json")
     assert there.eye == lgmd.Eye(20, 14, 5.0, 25.0)
     assert float(there.parameters.k) == 4.0
@@ -117,7 +118,7 @@ def test_a_clip_of_your_own(export, tmp_path):
     iio.imwrite(tmp_path / "crash.mp4", frames, plugin="pyav", codec="libx264", fps=30)
     status, out, _ = export("--clip", str(tmp_path / "crash.mp4"))
     assert status == 0
-    assert "over 3 films, 72 frames" in out
+    assert "over 3 stimuli and clips, 72 frames" in out
 
 
 def test_without_a_compiler_a_line_says_so(export, tmp_path, monkeypatch):

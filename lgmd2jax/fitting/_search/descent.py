@@ -11,6 +11,7 @@ import optimistix as optx
 from jaxtyping import Array, Float
 from typing_extensions import TypeAliasType
 
+from lgmd2jax._compute.traced_once import traced_once
 from lgmd2jax.fitting._search.space import Space
 from lgmd2jax.fitting._solver.levenberg_marquardt import BoundedLevenbergMarquardt
 
@@ -90,14 +91,14 @@ def _from_box(solver: Solver, z: Float[Array, " free"]) -> Float[Array, " free"]
     return jnp.log(z / (1 - z))
 
 
-@eqx.filter_jit
+@traced_once
 def _begin(solver: Solver, space: Space, temperature: Float[Array, ""], y: Float[Array, " free"]):
     objective, args = _objective(solver), (space, temperature, solver)
     out, _ = eqx.filter_eval_shape(objective, y, args)
     return solver.init(objective, y, args, {}, out, None, frozenset())
 
 
-@eqx.filter_jit
+@traced_once
 def _step(solver: Solver, space: Space, temperature: Float[Array, ""], y: Float[Array, " free"], state):
     objective, args = _objective(solver), (space, temperature, solver)
     y, state, _ = solver.step(objective, y, args, {}, state, frozenset())

@@ -3,12 +3,12 @@
 import itertools
 from collections.abc import Callable
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
+from lgmd2jax._compute.traced_once import traced_once
 from lgmd2jax.fitting._uncertainty.covariance import Uncertainty
 from lgmd2jax.fitting._uncertainty.profile import refit
 
@@ -85,12 +85,12 @@ def _follow(
     return (beyond & (rise < _AS_GOOD)).any(axis=0)
 
 
-@eqx.filter_jit
+@traced_once
 def _chi2(residuals: Residuals, points: Float[Array, "points free"]) -> Float[Array, " points"]:
     return jax.lax.map(lambda z: jnp.square(residuals(z)).sum(), points)
 
 
-@eqx.filter_jit
+@traced_once
 def _refits(
     residuals: Residuals, z: Float[Array, " free"], indices: Int[Array, " points"], places: Float[Array, " points"]
 ) -> tuple[Float[Array, "points free"], Float[Array, " points"]]:

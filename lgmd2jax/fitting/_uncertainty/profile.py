@@ -4,13 +4,13 @@ import dataclasses
 from collections.abc import Callable, Mapping
 from typing import Any
 
-import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 import optimistix as optx
 import scipy
 from jaxtyping import Array, Float
 
+from lgmd2jax._compute.traced_once import traced_once
 from lgmd2jax.fitting._solver.levenberg_marquardt import BoundedLevenbergMarquardt
 from lgmd2jax.fitting._uncertainty.covariance import CONFIDENCE, Uncertainty
 
@@ -149,7 +149,7 @@ def _crossing(rise: Callable[[float], float], start: float, sign: int, step: flo
     return x
 
 
-@eqx.filter_jit
+@traced_once
 def refit(residuals, z, index, x, max_steps: int):
     """The best point with entry `index` held at x (with index -1 nothing is held), and chi2 there."""
     held = jnp.arange(len(z)) == index
