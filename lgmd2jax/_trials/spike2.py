@@ -1,8 +1,7 @@
 """Trials from the text that Spike2 exports: channels of events, times in seconds.
 
 The form is that which public programs read: INFORMATION, SUMMARY, then for each CHANNEL its kind, comment and title in
-quotes, and a row a time; the samples of a waveform follow a line with START. Spike2 itself was not at hand, and no whole
-export was found.
+quotes, and a row a time; the samples of a waveform follow a line with START. No whole export of Spike2 was found.
 """
 
 import dataclasses
