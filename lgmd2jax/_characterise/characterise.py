@@ -56,7 +56,7 @@ def characterise(
 
 
 def ablations(model: AbstractNetwork, *mechanisms: str, progress: bool = False) -> dict[str, Characterisation]:
-    """The exam on the model as it is and without one mechanism each, judged as the whole is.
+    """The properties of the model as it is and without one mechanism each, evaluated as the whole is.
 
     **Arguments:** `mechanisms`: which, as of `ablate`; by default all that the model has. What changes the structure,
     as taking size-coding inhibition out, compiles anew.
@@ -72,13 +72,13 @@ def ablations(model: AbstractNetwork, *mechanisms: str, progress: bool = False) 
 def rasters(
     model: AbstractNetwork, *, seeds: int = 0, finer: bool = True, progress: bool = False
 ) -> dict[str, Characterisation]:
-    """The exam as it is, with all objects moved by half a pixel, in other noise, and by an eye of 1 degree a pixel.
+    """The properties as they are, with objects half a pixel aside, in other noise, and by an eye of 1 degree a pixel.
 
     What fills the field, gratings and changes of light, is not moved. A finer eye takes the square as long.
 
     **Arguments:**
 
-    - `seeds`: in how many other draws of noise and texture; of those rows that have any.
+    - `seeds`: in how many other draws of noise and texture; of those properties that have any.
     - `finer`: whether the finer eye, of the same field, is asked too; one that has 1 degree or less a pixel never is.
 
     **Raises:** `ValueError` as for `characterise`, and for a number of seeds that is none.
