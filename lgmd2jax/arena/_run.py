@@ -18,7 +18,7 @@ from lgmd2jax.arena._layout import Layout, random_layout
 
 
 class Start(eqx.Module):
-    """What a robot is put into, in arrays that stack: the scene, where it starts, and the key of its chances."""
+    """What a robot is put into, in arrays that stack: the scene, where it starts, and the key of its random numbers."""
 
     scene: Scene
     pose: Pose
@@ -26,7 +26,7 @@ class Start(eqx.Module):
 
     @classmethod
     def of(cls, seed: int) -> "Start":
-        """The arena and the chances of a seed."""
+        """The arena and the random numbers of a seed."""
         layout = random_layout(seed)
         pose = Pose(jnp.asarray(layout.start, jnp.float32), jnp.asarray(layout.heading, jnp.float32))
         return cls(Scene.of(layout), pose, jax.random.key(seed))

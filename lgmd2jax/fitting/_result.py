@@ -109,7 +109,7 @@ class Fit:
 
     @property
     def kind(self) -> Literal["soft", "hard"]:
-        """Of the curves those of `model`, with its own thresholds."""
+        """Which of the curves are those of `model`: `"hard"` or `"soft"`."""
         return "hard" if isinstance(self.model.thresholds, Hard) else "soft"
 
     @property

@@ -16,6 +16,7 @@ from lgmd2jax.alarms._reliability import came_true, logistic_fit
 from lgmd2jax.alarms._urgency import _judged
 from lgmd2jax.cli import main
 from tests import clips
+from tests.alarms.test_command import PROTOCOL as LABELS
 from tests.network.test_mechanisms import PARAMETERS
 
 ROOT = pathlib.Path(__file__).parents[2]
@@ -256,17 +257,6 @@ k = {}
 [validation]
 count = 6
 seed = 9
-"""
-LABELS = """
-[eye]
-rows = 12
-cols = 18
-degrees_per_pixel = 4
-fps = 30
-projection = "pinhole"
-[rendered]
-count = 6
-seed = 2
 """
 
 
