@@ -21,6 +21,8 @@ import pytest
 jax.config.update("jax_enable_x64", True)
 jax.config.update("jax_numpy_rank_promotion", "raise")
 jax.config.update("jax_disable_most_optimizations", True)
+# Tracing makes objects by the million and few of them in circles: looks for those took a tenth of the suite's time.
+gc.set_threshold(200_000, 20, 100)
 # All rooms but hard.py: the search for a hand-over file's test vector steps the robot's program by 100,000 frames, and
 # checks of calls take three quarters of that time. Its arrays have no declared shapes; pyright checks its types.
 PACKAGE = pathlib.Path(__file__).parents[1] / "lgmd2jax"

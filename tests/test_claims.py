@@ -21,7 +21,7 @@ NOT_HELD = {
     26: ("no dark object at all",),
     28: ("in the response",),
 }
-QUICK = (*range(1, 6), *range(8, 12))  # the others take ten seconds to a minute each
+QUICK = (*range(1, 6), *range(9, 12))  # the others take ten seconds to a minute each
 HELD_BY_CHOICE = {
     22: "white ball of 215 on 230",
     23: "theta1 = .1, in Table I's range",

@@ -20,6 +20,7 @@ def test_a_mutant_dies_and_the_command_says_so(capsys):
     assert "1 of 1 mutants die" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_a_change_that_means_nothing_lives():
     assert (
         outcome(Mutant("lgmd2jax/_words.py", "likeliest first", "likely ones first", "tests/test_channels.py"))

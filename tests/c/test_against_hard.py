@@ -53,7 +53,14 @@ def hard_responses(model, films):
     return channels, clear
 
 
-@pytest.mark.parametrize("name", ["the paper's circuit", "persistence, exact low-pass", "all mechanisms"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param("the paper's circuit", marks=pytest.mark.slow),
+        pytest.param("persistence, exact low-pass", marks=pytest.mark.slow),
+        "all mechanisms",
+    ],
+)
 def test_a_hundred_thousand_random_frames(name, record_property, untyped):
     """Equal, but for clips in which a frame lies within rounding of a threshold, from there on: these are counted."""
     tool("cc")

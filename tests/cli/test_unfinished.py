@@ -72,9 +72,9 @@ def stop_after(monkeypatch, key):
     [
         ("screening 0", ["the search", "the score test", "the profile of k", *LEFT_OUT, DRAWS]),
         ("profile of k", ["the profile of k", *LEFT_OUT, DRAWS]),
-        ("without loom 20: screening 0", [*LEFT_OUT, DRAWS]),
+        pytest.param("without loom 20: screening 0", [*LEFT_OUT, DRAWS], marks=pytest.mark.slow),
         ("without loom 20", [*LEFT_OUT, DRAWS]),
-        ("chain 0", [DRAWS]),
+        pytest.param("chain 0", [DRAWS], marks=pytest.mark.slow),
     ],
 )
 def test_a_part_that_is_stopped_is_named_and_gone_on_with(place, tmp_path, capsys, monkeypatch, untyped, key, left):

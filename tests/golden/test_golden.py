@@ -25,6 +25,8 @@ LOOSER = {
 }
 ABOUT_ONE = ("exam", "exam_yue_rind")  # responses are normalised, so that less than 1 is no magnitude of its own
 LAST_OF_NINE_DIGITS = 2e-8
+# Whole exams and fits take minutes together; each of their parts has a case of its own among the others.
+SLOW = ("exam", "exam_yue_rind", "fit_hard", "alarms_fitted")
 # What is meant to be other than it was: by case, the names that contain one of these.
 SUPERSEDED = {
     "model_files": ("/keys",),  # version 2 names its network
@@ -56,7 +58,7 @@ def test_every_case_is_kept():
     assert list(golden()) == list(cases.CASES)
 
 
-@pytest.mark.parametrize("case", cases.CASES)
+@pytest.mark.parametrize("case", [pytest.param(it, marks=pytest.mark.slow) if it in SLOW else it for it in cases.CASES])
 def test_numbers_are_those_that_were_kept(case):
     found, expected = cases.CASES[case](), golden()[case]
     expected = {name: kept for name, kept in expected.items() if not any(it in name for it in SUPERSEDED.get(case, ()))}

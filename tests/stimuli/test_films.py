@@ -16,13 +16,14 @@ from lgmd2jax.stimuli._shot import Shot
 
 EYE = Eye(rows=10, cols=18, degrees_per_pixel=4.0, fps=30.0, projection="pinhole")
 LASTS = 1.2  # s
+QUICK, SLOW = ("runs into", "side", "walk up"), pytest.mark.slow  # each kind draws by a program of its own
 
 
 def shot(seed: int, fps: float) -> Shot:
     return Shot(np.random.default_rng(seed), LASTS - np.arange(round(LASTS * fps))[::-1] / fps)
 
 
-@pytest.mark.parametrize("kind", stimuli.FILMS)
+@pytest.mark.parametrize("kind", [kind if kind in QUICK else pytest.param(kind, marks=SLOW) for kind in stimuli.FILMS])
 def test_a_scene_is_the_same_at_any_frame_rate(kind):
     """Every second frame at 30 frames a second is one at 15, until contact changes the speed between two."""
     slow, fast = ((COLLISIONS | OTHERS)[kind](shot(3, fps)) for fps in (15.0, 30.0))

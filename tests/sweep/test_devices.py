@@ -54,6 +54,7 @@ def client():
         yield client
 
 
+@pytest.mark.slow
 def test_two_workers_give_what_one_process_gives(eye, client, capsys):
     settings: dict[str, Any] = AXES | {"parameters": {"tau1": [10.0, 50.0]}, "channels": ["mp"]}
     found = lgmd.sweep(lgmd.LGMD2(), lgmd.stimuli.looming, eye, **settings, client=client, block=40, progress=True)
