@@ -16,6 +16,7 @@ import random
 import shutil
 import signal
 import tempfile
+import time
 import warnings
 from collections.abc import Mapping
 from pathlib import Path
@@ -98,6 +99,8 @@ class Study:
         else:
             folder.mkdir()
         process = self.runner.start(self.command.at(folder), self._log)
+        while process.is_alive() and not self._log.is_file():
+            time.sleep(0.001)
         process.join(share * self._seconds)
         if process.pid is not None and process.is_alive():
             os.kill(process.pid, kind)

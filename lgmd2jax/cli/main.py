@@ -13,7 +13,7 @@ from types import ModuleType
 
 from lgmd2jax._compute.kept_programs import keep_programs
 from lgmd2jax._compute.xla import set_flags
-from lgmd2jax._ctrl_c import STOPPED, ended_by_ctrl_c
+from lgmd2jax._ctrl_c import STOPPED, ended_by_ctrl_c, interrupted_by_ctrl_c
 from lgmd2jax._words import Remark, is_refusal
 from lgmd2jax.cli.options import (
     arena,
@@ -98,12 +98,13 @@ def main(arguments: list[str] | None = None) -> int:
 
     **Raises:** `SystemExit` for `--help`, `--version`, and what argparse refuses.
     """
+    whole = arguments is None
     options = argparse.Namespace(traceback=False, no_compilation_cache=False)
     try:
-        with ended_by_ctrl_c() if arguments is None else contextlib.nullcontext():
+        with ended_by_ctrl_c() if whole else contextlib.nullcontext():
             _parser().parse_args(arguments, options)
             command = _loaded(options.command, keep=not options.no_compilation_cache)
-        with _remarks_as_lines():
+        with _remarks_as_lines(), interrupted_by_ctrl_c() if whole else contextlib.nullcontext():
             command.run(options)
     except (Exception, KeyboardInterrupt) as error:
         if options.traceback:
