@@ -117,13 +117,13 @@ def main(arguments: list[str] | None = None) -> int:
 
 @contextlib.contextmanager
 def _remarks_as_lines() -> Iterator[None]:
-    """Within the block a `Remark` is one line on standard error, as the commands' own warnings are."""
+    """Within the block a `Remark`, or another warning for the user, is one line, as the commands' own warnings are."""
     with warnings.catch_warnings():
         warnings.simplefilter("always", Remark)
         show = warnings.showwarning
 
         def line(message, category, *place, **rest):
-            if issubclass(category, Remark):
+            if issubclass(category, Remark) or category is UserWarning:
                 print(f"lgmd2jax: warning: {message}", file=sys.stderr)
             else:
                 show(message, category, *place, **rest)
