@@ -157,7 +157,7 @@ def commands(place: Path) -> tuple[Command, ...]:
 
 def further_commands(place: Path, runner: "Runner", log: Path) -> tuple[Command, ...]:
     """All others that write files. The fits that some of them need are made first, after those of `commands`."""
-    (place / "loom.mkv").write_bytes((place / "clip.mp4").read_bytes())
+    write_clip(place / "loom.mkv", frames=120, size=(160, 120))
     (place / "own.toml").write_text(CLIPS.split("[rendered]")[0] + '[[clip]]\nfile = "loom.mkv"\n', encoding="utf-8")
     rows = "".join(
         f"A,{trial},{speed},{-4 * speed - 20 + 3 * spike + trial}\n"

@@ -42,7 +42,9 @@ def _faults(status: int, said: str, before: dict[str, bytes], after: dict[str, b
     last = [line for line in said.splitlines() if line.startswith("lgmd2jax: ") and "warning" not in line]
     faults = []
     if status == 0:
-        return [] if set(after) > set(before) else ["it says that all is well, but nothing was written"]
+        faults += [] if set(after) > set(before) else ["it says that all is well, but nothing was written"]
+        videos = [name for name, content in after.items() if name.endswith(".mp4") and not content.startswith(b"[")]
+        return [*faults, *(f"{name} cannot be decoded" for name in videos)]
     if status != 1 or len(last) != 1 or "Traceback" in said:
         faults.append(f"exit status {status}, said {said[-200:]!r}")
     if any(after.get(name) != content for name, content in before.items()):

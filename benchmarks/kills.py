@@ -10,6 +10,7 @@ end, and all of its files must be those of an undisturbed run: to the byte, but 
 """
 
 import argparse
+import contextlib
 import json
 import os
 import random
@@ -23,6 +24,7 @@ from pathlib import Path
 
 import av
 import xarray
+from av.error import FFmpegError
 from tqdm import tqdm
 
 import lgmd2jax as lgmd
@@ -45,7 +47,7 @@ def files_of(folder: Path) -> dict[str, bytes]:
             if path.name == "fit.json":
                 files[name] = json.dumps({**json.loads(files[name]), "made": None}).encode()
             if path.suffix == ".mp4":
-                with av.open(str(path)) as container:
+                with contextlib.suppress(FFmpegError), av.open(str(path)) as container:
                     files[name] = repr([frame.pts for frame in container.decode(video=0)]).encode()
     return files
 
@@ -102,10 +104,11 @@ class Study:
         while process.is_alive() and not self._log.is_file():
             time.sleep(0.001)
         process.join(share * self._seconds)
-        if process.pid is not None and process.is_alive():
+        if sent := process.pid is not None and process.is_alive():
             os.kill(process.pid, kind)
         process.join()
-        what = f"{self.command.name:14} {kind.name:8} at {share:4.0%}, exit status {process.exitcode:4}"
+        pressed = kind.name if sent else "ended"
+        what = f"{self.command.name:14} {pressed:8} at {share:4.0%}, exit status {process.exitcode:4}"
         faults = []
         if process.exitcode not in (0, 130, -signal.SIGKILL):
             faults.append(f"exit status {process.exitcode}: {self._log.read_text()[-300:]!r}")

@@ -15,7 +15,7 @@ from lgmd2jax._targets.units import size_of
 
 _IN_BRACKETS = re.compile(r"[(\[]\s*([^()\[\]]+?)\s*[)\]]\s*$")
 _LIKE_A_UNIT = re.compile(r"/|%|hz|\bm?v\b|volt|\bbins?\b|\bm?s\b", re.IGNORECASE)
-_SMP = -0.5, 1.5  # as far as noise takes a potential of 0.5 to 1
+_SMP = -5.0, 5.0  # farther than noise takes a potential of 0.5 to 1, nearer than percent and mV
 _POOLED = 4  # trials for which the variance counts that all times share
 
 
@@ -143,7 +143,7 @@ def _factor(column: str, unit: str | None, channel: Channel) -> float:
 
 
 def _warn_of_values(path: str | os.PathLike, channel: Channel, values: np.ndarray) -> None:
-    """Warn of a potential that is none of 0.5 to 1, by more than noise."""
+    """Warn of a potential that is none of 0.5 to 1, by far."""
     low, high = float(values.min()), float(values.max())
     if channel.startswith("smp") and not (_SMP[0] <= low and high <= _SMP[1]):
         warnings.warn(

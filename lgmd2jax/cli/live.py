@@ -62,9 +62,12 @@ def run(options: argparse.Namespace) -> None:
                 if film is not None:
                     overlay = overlay or Overlay(frame.pixels.size, model)
                     film.write(overlay.draw(frame, moment.row), frame.time)
-        except KeyboardInterrupt:
-            pass  # the usual end of a camera
+        except KeyboardInterrupt:  # the usual end of a camera
+            if not tally.frames:
+                raise
         except ValueError as error:
+            if not tally.frames:  # the files of an earlier run stay
+                raise
             failure = error  # told once the files are whole
     print("\n".join(_summary(options.source, tally, source.dropped)))
     if outputs:
