@@ -104,10 +104,11 @@ class Study:
         while process.is_alive() and not self._log.is_file():
             time.sleep(0.001)
         process.join(share * self._seconds)
-        if sent := process.pid is not None and process.is_alive():
-            os.kill(process.pid, kind)
+        pid = process.pid if process.is_alive() else None
+        if pid is not None:
+            os.kill(pid, kind)
         process.join()
-        pressed = kind.name if sent else "ended"
+        pressed = kind.name if pid else "ended"
         what = f"{self.command.name:14} {pressed:8} at {share:4.0%}, exit status {process.exitcode:4}"
         faults = []
         if process.exitcode not in (0, 130, -signal.SIGKILL):

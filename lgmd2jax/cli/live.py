@@ -66,9 +66,9 @@ def run(options: argparse.Namespace) -> None:
             if not tally.frames:
                 raise
         except ValueError as error:
-            if not tally.frames:  # the files of an earlier run stay
-                raise
             failure = error  # told once the files are whole
+        if not tally.frames:  # the files of an earlier run stay
+            raise failure or ValueError(f"{options.source} sent no frame; nothing was written")
     print("\n".join(_summary(options.source, tally, source.dropped)))
     if outputs:
         print("wrote    " + ", ".join(str(path) for path in outputs))

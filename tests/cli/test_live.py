@@ -24,7 +24,7 @@ from lgmd2jax.cli import live, main
 from lgmd2jax.cli.live_tally import COLUMNS, Moment, Tally
 from lgmd2jax.cli.live_view import Screen
 from tests.cli.streams import av, over_tcp, over_udp
-from tests.videos import write_video
+from tests.videos import noise, write_video
 
 ROOT = pathlib.Path(__file__).parents[2]
 ROWS, COLS = 32, 48
@@ -254,7 +254,7 @@ def test_a_stream_that_stops_keeps_what_came(place, capsys):
 def test_a_source_without_a_frame_leaves_the_files_of_an_earlier_run(place, capsys):
     """The index of an mp4 stands at its end, where a pipe cannot look for it."""
     (place / "a.csv").write_text("earlier")
-    write_video(place / "film.mp4", looms(20), "libx264", "yuv420p")
+    write_video(place / "film.mp4", noise(20, (240, 320)), "libx264", "yuv420p")
     with piped((place / "film.mp4").read_bytes()):
         assert main(["live", "-", "--csv", "a.csv", "--overlay", "a.mp4"]) == 1
     assert "wrote" not in capsys.readouterr().out
