@@ -14,6 +14,16 @@ def vertex(before, at, after) -> Array:
     return jnp.where(bend < 0, jnp.clip(place, -0.5, 0.5), 0)
 
 
+def peak_times(
+    time: Float[np.ndarray, " time"], curves: Float[np.ndarray, "curve time"]
+) -> Float[np.ndarray, " curve"]:
+    """When each curve is highest: the vertex of the parabola through its largest value and the neighbours of that."""
+    place = np.clip(curves.argmax(axis=1), 1, len(time) - 2)
+    rows = np.arange(len(curves))
+    beyond = np.asarray(vertex(*(curves[rows, place + side] for side in (-1, 0, 1))))
+    return time[place] + beyond * (time[1] - time[0])
+
+
 def line_through(y: Float[Array | np.ndarray, " place"], x: Float[np.ndarray, " place"]) -> tuple[Any, Any, Any]:
     """Slope, intercept and residuals of the straight line by least squares."""
     centred = x - x.mean()

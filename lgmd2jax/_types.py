@@ -6,7 +6,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax.core import Tracer
-from jaxtyping import Array, Float, PRNGKeyArray, Real, UInt32
+from jaxtyping import Array, Float, PRNGKeyArray, Real, ScalarLike, UInt32
 from typing_extensions import TypeAliasType
 
 Scalar = Float[Array, ""]
@@ -24,6 +24,11 @@ def is_concrete(*values) -> bool:
     return all(isinstance(value, (int, float, np.generic, np.ndarray, jax.Array)) for value in values) and not any(
         isinstance(value, Tracer) for value in values
     )
+
+
+def strong(number: ScalarLike) -> Scalar:
+    """A float as an array of JAX's, put there: from `jnp.asarray` comes a program that is compiled."""
+    return jax.device_put(np.asarray(number, float))
 
 
 def cast(tree: Tree, dtype) -> Tree:

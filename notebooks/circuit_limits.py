@@ -44,9 +44,10 @@ targets = {
 }
 
 # %% [markdown]
-# The same search for both: Sobol points of what acts on the cell, and a descent from the best. What acts on the pixels
-# is fixed, so that they are computed once. The score is $R^2$ of the hard model, as it is handed over: 1 is perfect,
-# 0 a constant.
+# The same search for both: Sobol points of what acts on the cell, and one descent, from the best of them. **What acts
+# on the pixels is fixed**, so that they are computed once. So each number below is what a cell reached behind these
+# pixels, from one start: the circuit can do as much at least, and perhaps more. The score is $R^2$ of the hard model,
+# as it is handed over: 1 is perfect, 0 a constant.
 
 # %%
 circuits = {

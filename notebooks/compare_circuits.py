@@ -67,8 +67,8 @@ for name, model in circuits.items():
 
 # %% [markdown]
 # ## Side by side on recordings
-# The paper's circuit, one with a graded shunt (B), and one with shunt and membrane (D), each fitted to the recorded
-# DCMD from one start, by a search as short. `lgmd.compare` takes fits to the same data, here in memory; folders of
+# The paper's circuit, and one with a graded shunt (B) and a membrane (D), each fitted to the recorded DCMD from one
+# start, by a search as short. `lgmd.compare` takes fits to the same data, here in memory; folders of
 # results and names of shipped fits do as well. AIC and BIC charge for each free parameter: the least is best.
 
 # %%
@@ -76,12 +76,10 @@ conditions = lgmd.load_protocol("dcmd").conditions
 circuit = lgmd.preset("balanced", T_s=5, T_sfa=5e-4, sigma1=0.316, tau2=800, T_ffi=20)
 free = {"k": (0.05, 3), "tau2": lgmd.Log(20, 3000), "tau3": lgmd.Log(50, 1500), "T_ffi": lgmd.Log(1, 60)}
 free |= {"gain": None, "latency": None, "baseline": None}
-shunt = {"m": None, "gamma": None}
 fits = {}
 for name, mechanisms, more in (
     ("none", (), {}),
-    ("B", ("shunt",), shunt),
-    ("B and D", ("shunt", "membrane"), {**shunt, "tau_cell": None}),
+    ("B and D", ("shunt", "membrane"), {"m": None, "gamma": None, "tau_cell": None}),
 ):
     fits[name] = lgmd.fit(
         lgmd.LGMD2(circuit, eye=conditions[0].eye, mechanisms=mechanisms),

@@ -54,12 +54,12 @@ def log_density(x):
 
 
 warmup: Any = blackjax.window_adaptation(blackjax.nuts, log_density)
-(state, tuned), _ = warmup.run(jax.random.key(3), jnp.zeros(2), 150)
+(state, tuned), _ = warmup.run(jax.random.key(3), jnp.zeros(2), 100)
 sampler: Any = blackjax.nuts(log_density, **tuned)
 _, draws = jax.lax.scan(
     lambda state, key: (moved := sampler.step(key, state)[0], moved.position),
     state,
-    jax.random.split(jax.random.key(4), 300),
+    jax.random.split(jax.random.key(4), 200),
 )
 theta = np.asarray(low + (high - low) * jax.nn.sigmoid(draws))
 for name, value, column in zip(simulator.names, truth, theta.T, strict=True):
@@ -112,7 +112,7 @@ print("photodiode:", pictures[:6, -1, 0])
 # %%
 plain = lgmd.LGMD2(eye=dataclasses.replace(screen, fps=100.0))  # the rate that the fit was made at
 telling = lgmd.discriminating_stimulus(
-    plain, flagship, "looming", vary, key=jax.random.key(0), eye=screen, starts=2, **window
+    plain, flagship, "looming", vary, key=jax.random.key(0), eye=screen, starts=1, **window
 )
 against_protocol(telling, "standard errors")
 plots.strip(telling.stimulus, at_ms=(-600, -300, -150, -50, 0, 100))

@@ -93,5 +93,5 @@ fit = lgmd.alarms.fit(
     generations=0,
 )
 before, after = (lgmd.alarms.evaluate(model, [*clips, *rendered]).score() for model in (recipe.model, fit.model))
-print("where the search sets out:", before)
-print("fitted:                   ", after)
+print(f"where the search sets out: {before}")
+print(f"fitted: {after}")

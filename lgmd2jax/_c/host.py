@@ -19,7 +19,9 @@ _DRIVER = Path(__file__).with_name("clip.c")
 
 # `lgmd2_output` of lgmd2.h.
 _NUMBERS = [(name, "f4") for name in ("mp", "ffi", "smp", "smp_adapted")]
-_OUTPUT = np.dtype([*_NUMBERS, ("spikes", "i4"), ("collision", "?"), ("mp_sides", "f4", 3)], align=True)
+_OUTPUT = np.dtype(
+    [*_NUMBERS, ("spikes", "i4"), ("collision", "?"), ("mp_sides", "f4", 3), ("urgency", "f4")], align=True
+)
 
 
 def compiler() -> str | None:
@@ -55,6 +57,6 @@ def compiled(files: Mapping[str, str], rows: int, cols: int, flags: Sequence[str
         frames, lasts = np.ascontiguousarray(frames), np.ascontiguousarray(interval, np.float32)
         outputs = np.empty(len(frames), _OUTPUT)
         clip(frames.ctypes.data, lasts.ctypes.data, len(frames), outputs.ctypes.data)
-        return Response(**{name: outputs[name] for name in (*CHANNELS, "mp_sides")})
+        return Response(**{name: outputs[name] for name in (*CHANNELS, "mp_sides", "urgency")})
 
     return respond

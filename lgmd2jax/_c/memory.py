@@ -13,11 +13,14 @@ class Memory(NamedTuple):
     frame: int
 
 
-def memory(model: LGMD2, rows: int, cols: int) -> Memory:
-    """What the C of a model needs for frames of this size. The stack takes a few hundred bytes and 12 a column more."""
+def memory(model: LGMD2, rows: int, cols: int, urgency: bool = False) -> Memory:
+    """What the C of a model needs for frames of this size. The stack takes a few hundred bytes and 12 a column more.
+
+    **Arguments:** `urgency`: whether it tells the probability of contact.
+    """
     mechanisms, pixels = mechanisms_of(model), rows * cols
     maps = 2 + ("size" in mechanisms) + model.n_p
     delays = 2 * rows * (cols + 2)
-    cell = 3 + ("membrane" in mechanisms) + 3 * frames_of_lag(model) * ("lag" in mechanisms) + (model.n_p > 0)
+    cell = 3 + urgency + ("membrane" in mechanisms) + 3 * frames_of_lag(model) * ("lag" in mechanisms) + (model.n_p > 0)
     bytes_alone = pixels + model.N_ts + 2
     return Memory(4 * (maps * pixels + delays + cell + -(-bytes_alone // 4)), pixels)

@@ -25,22 +25,22 @@ class Constant(NamedTuple):
     meaning: str
 
 
-def sources(model: LGMD2, vector: Mapping[str, Any]) -> dict[str, str]:
+def sources(model: LGMD2, vector: Mapping[str, Any], urgency: Mapping[str, Any] | None = None) -> dict[str, str]:
     """The text of each file, by its path: the network, its test, a Makefile, and an example for a microcontroller.
 
-    **Arguments:** `vector`: the test vector of the model's hand-over file.
+    **Arguments:** `vector`: the test vector of the model's hand-over file; `urgency`: its calibration, if it has one.
 
     **Raises:** `ValueError` for a model without an eye, whose frames have no size, and for a parameter that leaves its
     domain in single precision.
     """
     values = {
-        "lgmd2.h": _network,
-        "lgmd2.c": _network,
-        "test_vector.h": lambda model: _test_vector(vector),
-        "Makefile": lambda model: dict(zip(("rows", "cols"), np.shape(vector["frames"])[1:], strict=True)),
+        "lgmd2.h": (network := _network(model) | {"urgency": urgency and _urgency(urgency)}),
+        "lgmd2.c": network,
+        "test_vector.h": _test_vector(vector),
+        "Makefile": dict(zip(("rows", "cols"), np.shape(vector["frames"])[1:], strict=True)),
     }
     texts = templates(_TEMPLATES)
-    return texts | {name: rendered(texts[name], given(model)) for name, given in values.items()}
+    return texts | {name: rendered(texts[name], given) for name, given in values.items()}
 
 
 def file_names() -> tuple[str, ...]:
@@ -87,6 +87,27 @@ def _constants(model: LGMD2, mechanisms: tuple[str, ...]):
                 "choose a value that single precision can tell from the end"
             )
         yield Constant(name, _literal(value), symbol.meaning + ("" if symbol.unit == "1" else f" [{symbol.unit}]"))
+
+
+_WEIGHED = {
+    "intercept": "1",
+    "smp_adapted": "U' - .5",
+    "level": "the average of U of late, less .5",
+    "rise": "U less that average",
+    "inhibition": "Fbar/(Fbar + the threshold of the inhibition)",
+}
+
+
+def _urgency(calibration: Mapping[str, Any]) -> dict[str, Any]:
+    for name in hard.URGENCY:
+        if abs(value := calibration[name]) > float(np.finfo(np.float32).max):
+            raise ValueError(f"{name} of the urgency is {value:g}, which single precision cannot hold; calibrate anew")
+    return {
+        "within_ms": calibration["within_ms"],
+        "tau_ms": _literal(calibration["tau_ms"]),
+        "weights": [Constant(name, _literal(calibration[name]), meaning) for name, meaning in _WEIGHED.items()],
+        **{name: list(map(_literal, calibration.get(name, ()))) for name in hard.CAME_TRUE},
+    }
 
 
 def _eye(eye: Eye | None) -> dict[str, Any]:

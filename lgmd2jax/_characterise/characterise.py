@@ -3,7 +3,6 @@
 import dataclasses
 from collections.abc import Mapping
 
-import equinox as eqx
 import numpy as np
 from jaxtyping import Array, Key
 
@@ -12,6 +11,7 @@ from lgmd2jax._characterise.exam import Exam, ExamSums, exam_of, sums_of
 from lgmd2jax._characterise.measurements import Measurements, measure, result_of
 from lgmd2jax._characterise.result import Characterisation, JudgedAs
 from lgmd2jax._characterise.selectivity import Estimate, intervals
+from lgmd2jax._compute.traced_once import traced_once
 from lgmd2jax._eye import Eye
 from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.parameters import symbols
@@ -56,7 +56,7 @@ def characterise(
 
 
 def ablations(model: AbstractNetwork, *mechanisms: str, progress: bool = False) -> dict[str, Characterisation]:
-    """The exam on the model as it is and without one mechanism each, judged as the whole is.
+    """The properties of the model as it is and without one mechanism each, evaluated as the whole is.
 
     **Arguments:** `mechanisms`: which, as of `ablate`; by default all that the model has. What changes the structure,
     as taking size-coding inhibition out, compiles anew.
@@ -72,13 +72,13 @@ def ablations(model: AbstractNetwork, *mechanisms: str, progress: bool = False) 
 def rasters(
     model: AbstractNetwork, *, seeds: int = 0, finer: bool = True, progress: bool = False
 ) -> dict[str, Characterisation]:
-    """The exam as it is, with all objects moved by half a pixel, in other noise, and by an eye of 1 degree a pixel.
+    """The properties as they are, with objects half a pixel aside, in other noise, and by an eye of 1 degree a pixel.
 
     What fills the field, gratings and changes of light, is not moved. A finer eye takes the square as long.
 
     **Arguments:**
 
-    - `seeds`: in how many other draws of noise and texture; of those rows that have any.
+    - `seeds`: in how many other draws of noise and texture; of those properties that have any.
     - `finer`: whether the finer eye, of the same field, is asked too; one that has 1 degree or less a pixel never is.
 
     **Raises:** `ValueError` as for `characterise`, and for a number of seeds that is none.
@@ -118,7 +118,7 @@ def _result(model: AbstractNetwork, exam: Exam, neuron: JudgedAs, progress: bool
     return result_of(exam, neuron, _measure(exam, sums_of(exam, model, progress), model))
 
 
-@eqx.filter_jit
+@traced_once
 def _measure(exam: Exam, sums: ExamSums, model: AbstractNetwork) -> Measurements:
     return measure(curves_of(exam, sums, model))
 
@@ -137,8 +137,9 @@ def _usable(model: AbstractNetwork) -> Eye:
     eye = model.eye
     if eye is None:
         raise ValueError(
-            "the model has no eye, so it is not known what it sees; give it one: LGMD2(parameters, eye=Eye(...)), "
-            "and for other than its own frame rate at_frame_rate(model, 100)"
+            "the model has no eye, so it is not known what it sees; give it one: "
+            f"{type(model).__name__}(parameters, eye=Eye(...)), and for other than its own frame rate "
+            "at_frame_rate(model, 100)"
         )
     if eye.degrees_per_pixel is None:
         raise ValueError("the eye is known in pixels alone; give it degrees_per_pixel")

@@ -4,13 +4,13 @@ import dataclasses
 import functools
 from collections.abc import Iterator
 
-import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 from tqdm import tqdm
 
 from lgmd2jax._characterise.trials import Trial, all_trials
+from lgmd2jax._compute.traced_once import traced_once
 from lgmd2jax._eye import Eye
 from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.stages import Sums
@@ -90,6 +90,6 @@ def at_rate(model: AbstractNetwork, exam: Exam, fps: float) -> AbstractNetwork:
     return model if fps == exam.eye.fps else at_frame_rate(dataclasses.replace(model, eye=exam.eye), fps)
 
 
-@eqx.filter_jit
+@traced_once
 def _sums(model: AbstractNetwork, frames, interval) -> Sums:
     return model.sums(frames, interval)[0]

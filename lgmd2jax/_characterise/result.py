@@ -19,9 +19,9 @@ _LABEL, _BOUND, _COLUMN = 50, 9, 12  # widths of the table
 
 @dataclasses.dataclass(frozen=True)
 class Finding:
-    """A row of the exam on one model.
+    """One of the 22 properties, measured on one model.
 
-    - `values`: of the row's lines, in their units; NaN where there is nothing to measure, as of a silent cell.
+    - `values`: of its criteria, in their units; NaN where there is nothing to measure, as of a silent cell.
     - `passed`: None where it is not judged, for the reason in `remark`.
     """
 
@@ -32,7 +32,7 @@ class Finding:
 
     @property
     def number(self) -> int:
-        """Of the row, 1 to 22."""
+        """Of the property, 1 to 22."""
         return self.row.number
 
     @property
@@ -92,12 +92,12 @@ class Characterisation:
 
     @property
     def passed(self) -> int:
-        """How many rows hold."""
+        """How many properties hold."""
         return sum(finding.passed is True for finding in self.rows)
 
     @property
     def judged(self) -> int:
-        """How many rows have a verdict."""
+        """How many properties have a verdict."""
         return sum(finding.passed is not None for finding in self.rows)
 
     def __repr__(self):

@@ -4,7 +4,6 @@ import dataclasses
 import math
 from typing import NamedTuple
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -16,6 +15,7 @@ from lgmd2jax._characterise.exam import Exam, sums_of
 from lgmd2jax._characterise.measures_looming import LOOMS, law_of_peaks
 from lgmd2jax._characterise.measures_selectivity import index
 from lgmd2jax._characterise.trials import LIGHT_LOOM, RECESSION, REFERENCE
+from lgmd2jax._compute.traced_once import traced_once
 from lgmd2jax._eye import Eye
 from lgmd2jax.fitting import Fit
 from lgmd2jax.fitting._uncertainty.covariance import variance_along
@@ -81,7 +81,7 @@ def intervals(fit: Fit, eye: Eye, key: Key[Array, ""], draws: int = _DRAWS) -> d
     return {name: _percentiles(np.array([float(values[name]) for values in samples]), ends) for name in UNITS}
 
 
-@eqx.filter_jit
+@traced_once
 def _selectivity(exam: Exam, sums, model):
     return selectivity(curves_of(exam, sums, model))
 

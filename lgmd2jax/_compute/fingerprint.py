@@ -158,9 +158,12 @@ def _package(value: Any) -> str:
     if top != "lgmd2jax" and not (file and _INSTALLED & set(Path(file).parts)):
         return ""
     try:
-        return f"{top} {version(top)}"
+        return f"{top} {_release(top)}"
     except PackageNotFoundError:
         return top
+
+
+_release = functools.cache(version)  # which reads a file at each call
 
 
 def _source(value: Any) -> str:

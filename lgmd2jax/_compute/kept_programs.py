@@ -11,7 +11,11 @@ from pathlib import Path
 from lgmd2jax._files.cache import cache_folder
 
 LIMIT = 256 << 20  # bytes; the programs of all commands take some 20 MB
+_OFF = {"0", "f", "false", "n", "no", "off"}
 _UNSAID = [f"Error {doing} persistent compilation cache entry" for doing in ("reading", "writing")]
+
+
+_PLACE = "LGMD2JAX_PROGRAMS"
 
 
 def keep_programs() -> None:
@@ -20,13 +24,18 @@ def keep_programs() -> None:
     The user decides by JAX's own variables, `JAX_COMPILATION_CACHE_DIR` and `JAX_ENABLE_COMPILATION_CACHE`. Processes
     that this one starts share the folder. A program that cannot be read or written is compiled, and nothing is said.
     """
-    if {"JAX_COMPILATION_CACHE_DIR", "JAX_ENABLE_COMPILATION_CACHE"} & os.environ.keys():
+    if os.environ.get("JAX_ENABLE_COMPILATION_CACHE", "true").lower() in _OFF:
+        return
+    if (own := os.environ.get("JAX_COMPILATION_CACHE_DIR")) is not None:
+        if own and "://" not in own:  # JAX writes to clouds too
+            os.environ[_PLACE] = own
         return
     try:
         folder = programs_folder()
         folder.mkdir(parents=True, exist_ok=True)
     except (OSError, RuntimeError):  # a full disk, a file in its place; no home, of which Path says RuntimeError
         return
+    os.environ[_PLACE] = str(folder)
     _drop_oldest(folder.parent)
     os.environ["JAX_COMPILATION_CACHE_DIR"] = str(folder)
     # A command compiles dozens of small programs too, each of which takes longer to compile than to read.
@@ -38,12 +47,18 @@ def keep_programs() -> None:
     os.environ["PYTHONWARNINGS"] = ",".join([*filter(None, [os.environ.get("PYTHONWARNINGS")]), *quiet])
 
 
+def place_of_programs() -> Path | None:
+    """The folder that `keep_programs` chose, in this process or in the one that started it; None: nothing is kept."""
+    place = os.environ.get(_PLACE)
+    return Path(place) if place else None
+
+
 def programs_folder() -> Path:
     """The folder for this release of XLA and this kind of processor, for which it compiles."""
-    return cache_folder() / "programs" / f"jaxlib-{version('jaxlib')}-{_processor()}"
+    return cache_folder() / "programs" / f"jaxlib-{version('jaxlib')}-{processor()}"
 
 
-def _processor() -> str:
+def processor() -> str:
     """A digest of what the processor can do, where Linux tells; else of its name."""
     told = ""
     with contextlib.suppress(OSError), open("/proc/cpuinfo", encoding="utf-8") as file:

@@ -1,7 +1,7 @@
 """The figure of recorded trials: rasters and rates, a column a condition."""
 
-import itertools
 import os
+from collections import Counter
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -15,19 +15,19 @@ _STEP_MS = 5.0
 
 
 def trials_figure(path: str | os.PathLike, trials: Trials, kernel_ms: float = 20.0) -> None:
-    """Above a raster of each condition, animals apart by lines; below the rates of animals, and their mean."""
+    """Above a raster of each condition, a line a trial, by animals; below the rates of animals, and their mean."""
     conditions = trials.conditions
     with drawn(path, max(4.0, 2.6 * len(conditions)), 6) as figure:
         panels = figure.subplots(2, len(conditions), squeeze=False, sharex=True, height_ratios=(2, 1))
         for condition, (raster, rates) in zip(conditions, panels.T, strict=True):
             own = [trial for trial in trials if trial.condition == condition]
             raster.set_title(told(condition) or "all trials", loc="left")
+            if rates is not panels[1, 0]:
+                rates.sharey(panels[1, 0])  # before it draws, so that the common limits hold all curves
             _draw_raster(raster, own)
             _draw_rates(rates, own, kernel_ms)
             raster.invert_yaxis()
-            rates.sharey(panels[1, 0])
             rates.set_xlabel("time from event (ms)")
-        panels[0, 0].set_ylabel("trial")
         panels[1, 0].set_ylabel("spikes/s")
 
 
@@ -35,9 +35,11 @@ def _draw_raster(axes: Axes, trials: list[Trial]) -> None:
     rows = np.repeat(np.arange(len(trials)), [trial.spikes_ms.size for trial in trials])
     spikes = np.concatenate([trial.spikes_ms for trial in trials])
     axes.plot(spikes, rows, "|", color=BLACK, markersize=2, markeredgewidth=0.4, rasterized=True)
-    for row, (before, trial) in enumerate(itertools.pairwise(trials), start=1):
-        if before.animal != trial.animal:
-            axes.axhline(row - 0.5, color=GREY, linewidth=0.5)
+    rows_of = Counter(trial.animal for trial in trials)
+    ends = np.cumsum(list(rows_of.values()))
+    for end in ends[:-1]:
+        axes.axhline(end - 0.5, color=GREY, linewidth=0.5)
+    axes.set_yticks(ends - np.array(list(rows_of.values())) / 2 - 0.5, list(rows_of))
 
 
 def _draw_rates(axes: Axes, trials: list[Trial], kernel_ms: float) -> None:

@@ -39,6 +39,9 @@ def locate(name: str | Path, kind: str, suffix: str = ".toml") -> Path:
             return shipped
     if suffix.startswith("/") and (path / suffix[1:]).is_file():
         return path / suffix[1:]
+    if path.is_dir() and suffix.startswith("/"):
+        there = sorted(str(file.parent) for file in path.glob(f"*{suffix}"))
+        raise FileNotFoundError(f"{bare} holds no {suffix[1:]}" + (f"; choose {nearest(bare, there)}" if there else ""))
     if path.is_dir():
         raise FileNotFoundError(f"{bare} is a folder; give a file")
     shipped = (file.relative_to(folder(kind)).as_posix() for file in folder(kind).glob(f"*{suffix}"))

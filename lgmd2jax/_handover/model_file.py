@@ -172,7 +172,10 @@ def _kind(name: str, network: type[AbstractNetwork] | None) -> type[AbstractNetw
             raise ValueError(f"its network is {name!r}, not {network.__name__!r}")
         return network
     if name not in NETWORKS:
-        raise ValueError(f"its network is {name!r}; for one of your own give its class: load(path, network={name})")
+        raise ValueError(
+            f"its network is {name!r}; for one of your own give its class, in Python: load(path, network={name}); "
+            f"commands know the library's own, {', '.join(NETWORKS)}"
+        )
     return NETWORKS[name]
 
 

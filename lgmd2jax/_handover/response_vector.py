@@ -10,6 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from lgmd2jax import hard
+from lgmd2jax._compute.traced_once import traced_once
 from lgmd2jax._handover.test_vector import FPS_WITHOUT_EYE, FRAMES, TOLERANCE, random_clip
 from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.parameter_set import declared
@@ -58,7 +59,7 @@ def response_vector(model: AbstractNetwork, fps: float | None) -> dict[str, Any]
     return {"fps": fps, "tolerance": TOLERANCE, "frames": frames.astype(int).tolist(), "response": channels}
 
 
-@eqx.filter_jit
+@traced_once
 def _responses(model: AbstractNetwork, parameters, frames, fps):
     def one(parameters):
         response = dataclasses.replace(model, parameters=parameters)(frames, fps)

@@ -63,13 +63,17 @@ class _Trial:
         self.frames, self._model, self._interval = frames, copy.copy(model), interval
         self._s, self._f = self._maps(self._model)
         self._mp = [self._model._potential(s) for s in self._s]
-        self.response = self._respond({})
+        self.response = hard.Response.over_time(self._steps({}))
+        channels = np.array(self.response[: len(hard.CHANNELS)], float)
+        self._moments = channels.T.tolist()
+        self._largest = [*np.abs(channels[:-2]).max(axis=1).tolist(), 0, 0]  # spikes and alarm may not differ
 
     def _maps(self, model):
         model._start(self.frames[0])
         return zip(*(model._pixels(frame, self._interval) for frame in self.frames), strict=True)
 
-    def _respond(self, thresholds):
+    def _steps(self, thresholds):
+        """What the cell does in frame after frame with other thresholds."""
         model = copy.copy(self._model)
         model.parameters = {**model.parameters, **thresholds}
         model._start(self.frames[0])
@@ -78,12 +82,14 @@ class _Trial:
             _, f = self._maps(model)
             model._start(self.frames[0])
         mp = [model._potential(s) for s in self._s] if "T_s" in thresholds else self._mp
-        now = (model._cell(*sums, self.frames[0].size, self._interval) for sums in zip(mp, f, strict=True))
-        return hard.Response.over_time(now)
+        return (model._cell(*sums, self.frames[0].size, self._interval) for sums in zip(mp, f, strict=True))
 
     def _changes(self, tolerance, name, value):
-        """Whether the response is another one with this threshold."""
-        return hard.first_difference(self._respond({name: value}), self.response, tolerance) is not None
+        """Whether the response is another one with this threshold: looked at up to the first frame that differs."""
+        allowed = [tolerance * largest for largest in self._largest]
+        steps = zip(self._steps({name: value}), self._moments, strict=True)
+        moments = (zip(now, expected, allowed, strict=False) for now, expected in steps)
+        return any(not abs(value - wanted) <= most for moment in moments for value, wanted, most in moment)
 
     def is_clear(self) -> bool:
         """Whether no rounding can carry a value across a threshold.
@@ -105,14 +111,25 @@ class _Trial:
 
     def branches(self) -> list[tuple[str, float]]:
         """The branches that are exercised, of two at each threshold: the response changes where one is forbidden."""
-        return self._shown(
-            (name, end) for name in self._thresholds() for end in (0.0 if name == "sigma_sp" else -math.inf, math.inf)
-        )
+        return list(self._shown(self._ends()))
 
     def neighbours(self) -> list[tuple[str, float]]:
         """The neighbouring thresholds with which the response changes."""
+        return list(self._shown(self._near()))
+
+    def shows_more_than(self, beaten: set[tuple[str, float]], branches: list[tuple[str, float]]) -> bool:
+        """Whether the clip shows one of what it can show that others do not show better, `branches` known already."""
+        near = (value for value in self._near() if value not in beaten)
+        return not beaten.issuperset(branches) or any(True for _ in self._shown(near))
+
+    def _ends(self):
+        return (
+            (name, end) for name in self._thresholds() for end in (0.0 if name == "sigma_sp" else -math.inf, math.inf)
+        )
+
+    def _near(self):
         v, factors = self._model.parameters, dict.fromkeys(self._thresholds(), 1.25) | {"T_sfa": 10.0}
-        return self._shown((name, v[name] * by) for name, factor in factors.items() for by in (factor, 1 / factor))
+        return ((name, v[name] * by) for name, factor in factors.items() for by in (factor, 1 / factor))
 
     def _thresholds(self):
         """Those at which something jumps: the shunt has none, and what codes size has its own."""
@@ -121,7 +138,7 @@ class _Trial:
         return ("T_s", *inhibition, *(("T_p",) if size else ()), "T_sfa", "T_sp", "sigma_sp", "N_sp")
 
     def _shown(self, thresholds):
-        return [(name, value) for name, value in thresholds if self._changes(TOLERANCE, name, value)]
+        return ((name, value) for name, value in thresholds if self._changes(TOLERANCE, name, value))
 
 
 @np.errstate(all="ignore")  # where a set overflows, it is not clear of thresholds
@@ -144,7 +161,11 @@ def _search(model: hard.HardLGMD2, interval: float) -> _Trial:
             bases = list({id(entry): entry for entry in best.values()}.values()) or [first]
             plan = np.where((time >= start) & (time < end), plan, bases[number % len(bases)][2])
         trial = _Trial(model, _clip(plan, texture), interval)
-        branches, neighbours = trial.branches(), trial.neighbours()
+        branches = trial.branches()
+        beaten = {shown for shown, entry in best.items() if entry[0][0] > len(branches)}
+        if not trial.shows_more_than(beaten, branches):
+            continue
+        neighbours = trial.neighbours()
         entry = (len(branches), len(neighbours)), trial, plan
         better = [shown for shown in branches + neighbours if entry[0] > best.get(shown, first)[0]]
         if better and trial.is_clear():

@@ -16,6 +16,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Real
 
 from lgmd2jax._channels import RESPONSE, Description
+from lgmd2jax._compute.traced_once import traced_once
 from lgmd2jax._eye import Eye
 from lgmd2jax._network.parameter_set import ParameterSet, check_domains, declared
 from lgmd2jax._network.stages import AbstractCell, AbstractPixels, Interval, Levels, Record, Response, Sums
@@ -292,14 +293,14 @@ def parameters_of(kind: type[AbstractNetwork]) -> type[ParameterSet]:
     return typing.get_type_hints(kind)["parameters"]
 
 
-@eqx.filter_jit
+@traced_once
 def _respond(network: AbstractNetwork, frames, interval, record) -> Response:
     network, interval = _opaque((network, interval))
     sums, recorded = network.sums(frames, interval, record)
     return dataclasses.replace(network.respond(sums, interval, frames[0].size), recorded=recorded)
 
 
-@eqx.filter_jit
+@traced_once
 def _advance(network: AbstractNetwork, state: State, frame, interval, record) -> tuple[State, Response]:
     network, interval = _opaque((network, interval))
     pixels, cell = _in(network.pixels, frame.dtype), network._cell_for(frame)

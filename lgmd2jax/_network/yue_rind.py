@@ -238,7 +238,7 @@ class YueRindLGMD1(AbstractNetwork):
     - `mp`: K, which is what the sigmoid sees. `ffi`: F(t) as it is compared with T(t), one frame old and not delayed.
     - `smp` and `smp_adapted`: both kappa, since the LGMD1 does not adapt. Here FFI forbids spikes and leaves the
       potential, where the LGMD2's falls to rest: compare potentials of small motion, spikes of what fills the field.
-      `characterise` reads potentials, so that its rows do not see this FFI.
+      `characterise` reads potentials, so that the properties do not see this FFI.
     - `spikes`: 0 or 1. `collision`: whether the last N_sp frames all had a spike.
 
     Nothing in it depends on the length of a frame. Its values belong to a frame rate all the same: `at_frame_rate`.

@@ -12,7 +12,7 @@ from lgmd2jax._protocol.arguments import arguments
 from lgmd2jax._protocol.condition import Condition, Protocol
 from lgmd2jax._protocol.placeholders import expand, fill
 from lgmd2jax._protocol.target_table import target
-from lgmd2jax._schemas.check import check
+from lgmd2jax._schemas.check import check, check_kind
 from lgmd2jax._schemas.protocol import PROTOCOL
 from lgmd2jax._words import within
 from lgmd2jax.stimuli import FAMILIES, camera
@@ -59,8 +59,7 @@ def protocol_of(path: Path, document: dict[str, Any]) -> Protocol:
 
     **Raises:** `ValueError`, which names condition and key, for what is not a protocol.
     """
-    if {"clip", "rendered"} & document.keys():
-        raise ValueError("it holds labelled clips, for recipes of kind 'alarms': see lgmd2jax.alarms.load_labels")
+    check_kind(document, "protocol")
     check(PROTOCOL, document)
     return Protocol(path.stem, _conditions(document, path.parent.resolve()))
 

@@ -7,7 +7,7 @@ from typing import Any
 from lgmd2jax._files.catalogue import read_named
 from lgmd2jax._recipes.fit import Recipe, fit_recipe
 from lgmd2jax._recipes.sweep import SweepRecipe, sweep_recipe
-from lgmd2jax._schemas.check import check
+from lgmd2jax._schemas.check import check, check_kind
 from lgmd2jax._schemas.recipes import RECIPE
 from lgmd2jax.alarms import AlarmRecipe
 from lgmd2jax.alarms._recipe import alarm_recipe
@@ -33,5 +33,6 @@ def load_recipe(source: str | Path) -> AnyRecipe:
 
 
 def _recipe(path: Path, table: dict[str, Any]) -> AnyRecipe:
+    check_kind(table, "recipe")
     check(RECIPE, table)
     return _KINDS[table.get("kind", "fit")](path, table)

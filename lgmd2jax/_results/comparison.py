@@ -2,7 +2,6 @@
 
 import csv
 import dataclasses
-import json
 import math
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -13,6 +12,7 @@ from tqdm import tqdm
 from typing_extensions import TypeAliasType
 
 from lgmd2jax._characterise import characterise
+from lgmd2jax._files import atomic
 from lgmd2jax._results.fit_folder import fit_folder, load_validated_fit
 from lgmd2jax._results.fit_json import plain
 from lgmd2jax.fitting import Comparison, Fit
@@ -72,7 +72,7 @@ def write_json(path: Path, comparison: Comparison) -> None:
         "alike": comparison.alike,
         "fits": {name: _content(comparison, i) for i, name in enumerate(comparison.names)},
     }
-    path.write_text(json.dumps(plain(content), indent=1, allow_nan=False) + "\n", encoding="utf-8")
+    atomic.write_json(path, plain(content))
 
 
 def _content(comparison: Comparison, i: int) -> dict[str, Any]:

@@ -2,8 +2,8 @@
 
 import re
 import reprlib
-from collections.abc import Iterator
-from typing import Any
+from collections.abc import Iterator, Mapping
+from typing import Any, Literal
 
 from pydantic import TypeAdapter, ValidationError
 from pydantic_core import ErrorDetails
@@ -34,6 +34,20 @@ _WORDS = {
     "string_too_short": "must not be empty",
     "invalid_key": "must have names as keys",
 }
+# Of each kind of document the keys that no other has, its name, and what shows one.
+_KINDS = {
+    "recipe": ({"protocol", "free", "solver", "family", "kind"}, "a recipe", "lgmd2jax fit --help"),
+    "protocol": ({"condition"}, "a protocol of stimuli", "lgmd2jax stimuli --help"),
+    "labels": ({"clip", "rendered"}, "a file of labelled clips", "lgmd2jax watch --help"),
+}
+
+
+def check_kind(document: Mapping[str, Any], wanted: Literal["recipe", "protocol", "labels"]) -> None:
+    """Raise `ValueError` for a document of another kind, which has none of its own keys and some of the other's."""
+    own, name, shows = _KINDS[wanted]
+    for keys, other, _ in _KINDS.values():
+        if keys & document.keys() and not own & document.keys():
+            raise ValueError(f"it is {other}, not {name}; see {shows}")
 
 
 def check(schema: TypeAdapter, document: Any) -> None:

@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Array
 
 from lgmd2jax._compute.batching import each_on_all_devices
+from lgmd2jax._compute.traced_once import traced_once
 from lgmd2jax._sweep.axes import Grid, Setup
 from lgmd2jax._sweep.responses import SUMMARIES, respond
 from lgmd2jax._types import is_concrete
@@ -111,7 +112,7 @@ def _chunk(shape: tuple[int, ...], block: int) -> tuple[int, ...]:
 _traced_once = eqx.filter_jit(respond)  # a plan asks for shapes alone; of another sweep like it they are known
 
 
-@eqx.filter_jit
+@traced_once
 def _compute(setup: Setup, points: Mapping[str, np.ndarray | Array], channels: tuple[str, ...]) -> dict[str, Array]:
     """The points of a block, one after the other on each device."""
     arrays, static = eqx.partition(setup, eqx.is_array)

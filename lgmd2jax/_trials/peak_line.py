@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from lgmd2jax._reports.interval import Interval
-from lgmd2jax._signals import line_through, vertex
+from lgmd2jax._signals import line_through, peak_times
 from lgmd2jax._trials.quality import PEAK_RULE, RULE, Excluded, Rates, judged
 from lgmd2jax._trials.trial import Trial
 
@@ -45,7 +45,7 @@ class LoomingEstimate:
 
     - `pooled`: the slope that all animals share, each with a delta of its own; delta is the mean of theirs. Its
       intervals are of animals and trials drawn anew; those of an animal are of its trials drawn anew.
-    - `animals`: by their names. `excluded`: what fell out by the `rule`, and why.
+    - `animals`: by their names. `excluded`: what was left out by the `rule`, and why.
     - `kernel_ms`, `resamples`, `seed`: as they were asked for; `kernel_ms` is None for peaks by `PEAK_RULE`.
     """
 
@@ -80,7 +80,7 @@ class LoomingEstimate:
         }
 
     def summary(self) -> str:
-        """A table with a row an animal and one of all, then what fell out and by which rule."""
+        """A table with a row an animal and one of all, then what was left out and by which rule."""
         rows = [("", "alpha", "delta (ms)", "threshold angle (deg)", "r2", "trials")]
         for name, times in [*self.animals.items(), (f"all {len(self.animals)}", self.pooled)]:
             angle = str(times.threshold_angle_deg)
@@ -138,23 +138,12 @@ def _peaks(rates: Sequence[Rates], resamples: int, rng: np.random.Generator) -> 
             count - 1, 1
         )  # one less than there are: means of so many vary as much as those of other trials would
         weights = rng.multinomial(draws, np.full(count, 1 / count), size=resamples) / draws
-        drawn.append(_before_collision(own.time, weights @ own.rates))
+        drawn.append(-peak_times(own.time, weights @ own.rates))
     return _Peaks(
         np.array([own.l_over_v for own in rates]),
-        np.concatenate([_before_collision(own.time, own.rates.mean(axis=0, keepdims=True)) for own in rates]),
+        np.concatenate([-peak_times(own.time, own.rates.mean(axis=0, keepdims=True)) for own in rates]),
         np.stack(drawn, axis=1),
         sum(len(own.rates) for own in rates),
-    )
-
-
-def _before_collision(
-    time: Float[np.ndarray, " time"], rates: Float[np.ndarray, "curve time"]
-) -> Float[np.ndarray, " curve"]:
-    """When each curve is highest: the vertex of the parabola through its largest value and the neighbours of that."""
-    place = np.clip(rates.argmax(axis=1), 1, len(time) - 2)
-    curves = np.arange(len(rates))
-    return -(
-        time[place] + np.asarray(vertex(*(rates[curves, place + side] for side in (-1, 0, 1)))) * (time[1] - time[0])
     )
 
 

@@ -1,4 +1,4 @@
-"""Which recordings show a response to the approach: the rate of each animal and l/|v|, and what falls out."""
+"""Which recordings show a response to the approach: the rate of each animal and l/|v|, and what is left out."""
 
 import dataclasses
 from collections import Counter
@@ -21,16 +21,16 @@ KERNEL_MS = 20.0  # of the Gaussian of the rates that are judged
 _SHARE, _NARROWEST_MS = 1.4, 12.0  # s.d. of the Gaussian within the kernel of peak times: of l/|v|, and at least
 
 RULE = (
-    f"a session falls out where its base rate, the lower of its mean rates in the first and the last {_EDGE:.0%} of "
-    f"its trials, is {_HIGHEST_BASE:g} spikes/s or more; an l/|v| of an animal where the peak of the mean rate is not "
+    f"left out are sessions whose base rate, the lower of the mean rates in the first and last {_EDGE:.0%} of their "
+    f"trials, is {_HIGHEST_BASE:g} spikes/s or more; an l/|v| of an animal where the peak of the mean rate is not "
     f"above {_TIMES_BASE:g} times the base plus {_ABOVE:g} spikes/s, or is earlier than {_EARLIEST:g} l/|v| + "
-    f"{_MARGIN_MS:g} ms before collision or later than {_LATEST_MS:g} ms after; an animal with fewer than two l/|v| "
-    "left has no line"
+    f"{_MARGIN_MS:g} ms before collision or later than {_LATEST_MS:g} ms after; animals of whom fewer than two l/|v| "
+    "are left"
 )
 
 PEAK_RULE = (
     f"peaks are those of a kernel of sixth order, 1 - (1 - G)^3 with a Gaussian G of {_SHARE:g} l/|v|, at "
-    f"least {_NARROWEST_MS:g} ms: an asymmetric rate, which widens with l/|v|, keeps its peak but for a share of l/|v|"
+    f"least {_NARROWEST_MS:g} ms: where an asymmetric rate widens with l/|v|, this changes alpha and leaves delta"
 )
 
 

@@ -1,7 +1,7 @@
 """Trials from the text that Spike2 exports: channels of events, times in seconds.
 
-The form, with INFORMATION, SUMMARY and CHANNEL and quoted titles, is not checked against an export of Spike2: no
-published description or example of it was found, and the tests make their own.
+The form is that which public programs read: INFORMATION, SUMMARY, then for each CHANNEL its kind, comment and title in
+quotes, and a row a time; the samples of a waveform follow a line with START. No whole export of Spike2 was found.
 """
 
 import dataclasses
@@ -65,22 +65,25 @@ def _condition(text: str, reading: Reading) -> Condition:
 def _channels(path: Path) -> list[_Channel]:
     """The channels that hold times. The lines before the first time of one are its kind, comment and title."""
     channels: list[tuple[list[str], list[float], list[str]]] = []
-    for line in path.read_text(encoding="utf-8-sig", errors="replace").splitlines():
-        if _START.match(line):
-            inside = _CHANNEL.match(line) is not None
-            if inside:
-                channels.append(([], [], []))
-            elif channels:
-                break
-            continue
-        if not channels or not line.strip():
-            continue
-        names, times, texts = channels[-1]
-        if (number := _NUMBER.match(line)) is not None:
-            times.append(1000 * float(number[1].replace(",", ".")))
-            texts.append(" ".join(_QUOTED.findall(number[2])))
-        else:
-            names.extend(_QUOTED.findall(line))
+    inside = False
+    # A waveform may have millions of samples: lines are read one by one, and those are passed over.
+    with open(path, encoding="utf-8-sig", errors="replace") as file:
+        for line in file:
+            if _START.match(line):
+                inside = _CHANNEL.match(line) is not None
+                if inside:
+                    channels.append(([], [], []))
+                elif channels:
+                    break
+            elif inside and line.startswith('"START"'):
+                inside = False
+            elif inside and line.strip():
+                names, times, texts = channels[-1]
+                if (number := _NUMBER.match(line)) is not None:
+                    times.append(1000 * float(number[1].replace(",", ".")))
+                    texts.append(" ".join(_QUOTED.findall(number[2])))
+                else:
+                    names.extend(_QUOTED.findall(line))
     kept = [_Channel(names[-1], times, texts) for names, times, texts in channels if names and times]
     if not kept:
         raise ValueError(

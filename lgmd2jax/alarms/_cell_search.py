@@ -1,24 +1,24 @@
 """The search on two levels: for a point of the pixels' parameters all clips once, then thousands of cells on that."""
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from lgmd2jax._compute.traced_once import traced_once
 from lgmd2jax.alarms._clip_batch import Sums
 from lgmd2jax.alarms._problem import AlarmProblem
 
 _LANES = 512  # cells and clips side by side: wide enough for vectors, small enough for the cache
 
 
-@eqx.filter_jit
+@traced_once
 def sums_at(problem: AlarmProblem, z: Float[Array | np.ndarray, " free"]) -> tuple[Sums, ...]:
     """MP and F of every clip with the pixels of `z`: all that the cell needs."""
     return problem.sums(problem.at(jnp.asarray(z))[0])
 
 
-@eqx.filter_jit
+@traced_once
 def peaks_of(
     problem: AlarmProblem,
     z: Float[Array | np.ndarray, " free"],

@@ -17,6 +17,10 @@ class Score(NamedTuple):
     hits: Share
     false_alarms: Share
 
+    def __str__(self):
+        percent = Share(*(100 * value for value in self.hits))
+        return f"hits {percent} % of the windows, {self.false_alarms} false alarms a minute"
+
 
 @dataclasses.dataclass(frozen=True)
 class Counts:

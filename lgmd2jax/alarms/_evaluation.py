@@ -6,11 +6,11 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-import equinox as eqx
 import jax
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
+from lgmd2jax._compute.traced_once import traced_once
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._signals import stretches
 from lgmd2jax.alarms._clip import ClipLabels, LabelledClip, Stretch
@@ -166,7 +166,7 @@ def evaluate(model: LGMD2, clips: Sequence[LabelledClip]) -> Evaluation:
     return Evaluation(tuple(clips), tuple(traces[i] for i in order), T_sp, tuple(drives[i] for i in order))
 
 
-@eqx.filter_jit
+@traced_once
 def _judged(model: LGMD2, batch: ClipBatch, N_sp: int) -> tuple[Float[Array, "clip time"], Drive]:
     """The evidence in every frame, and what acted on the cell."""
     pixels = batch.frames[0, 0].size

@@ -16,7 +16,7 @@ from lgmd2jax._eye import Eye
 from lgmd2jax._files.catalogue import read_named
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._protocol.protocol import eye_of
-from lgmd2jax._schemas.check import check
+from lgmd2jax._schemas.check import check, check_kind
 from lgmd2jax._schemas.labels import LABELS
 from lgmd2jax._signals import stretches
 from lgmd2jax._video.clip import Clip, open_clip, window_of
@@ -191,6 +191,7 @@ def label_file(path: Path, table: dict[str, Any]) -> LabelFile:
 
     **Raises:** `ValueError`, which names clip and key, for what is no such file.
     """
+    check_kind(table, "labels")
     check(LABELS, table)
     clips, rendering = table.get("clip", []), table.get("rendered")
     if not (clips or rendering):

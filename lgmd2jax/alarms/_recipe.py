@@ -66,8 +66,9 @@ class AlarmRecipe:
         return () if self.validation is None else tuple(self.validation.clips(self.file.eye))
 
     def digest(self, clips: Sequence[LabelledClip]) -> str:
-        """A digest of all that the fit sees: recipe, clips and labels."""
-        digest = hashlib.sha256(json.dumps(self.table, sort_keys=True).encode())
+        """A digest of all that the fit sees: recipe, clips and labels. The urgency comes after it."""
+        seen = {name: value for name, value in self.table.items() if name != "urgency"}
+        digest = hashlib.sha256(json.dumps(seen, sort_keys=True).encode())
         for clip in clips:
             labels = clip.fps, clip.windows, clip.silent, clip.contact, clip.source, clip.weight
             digest.update(repr(labels).encode())

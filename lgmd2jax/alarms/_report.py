@@ -38,8 +38,8 @@ def clip_section(evaluation: Evaluation, left_out: Mapping[str, int]) -> Section
     rows = verdicts if len(verdicts) <= _MOST else worst_first[:_MOST]
     warnings = [verdict.warning_ms for verdict in verdicts if not math.isnan(verdict.warning_ms)]
     sentences = [
-        f"{headline(evaluation)}: of {evaluation.windows} windows hit {_percent(score.hits)}; "
-        f"in {evaluation.silent_minutes:.2f} silent minutes {_rate(score.false_alarms)} false alarms a minute.",
+        f"{headline(evaluation)}; windows hit: {_percent(score.hits)} of {evaluation.windows}; "
+        f"false alarms a minute: {_rate(score.false_alarms)}, in {evaluation.silent_minutes:.2f} silent minutes.",
         "A margin says how far T_sp may move, in units of the adapted potential, before the verdict changes.",
     ]
     if any(verdict.misses or verdict.raised for verdict in verdicts):

@@ -2,12 +2,12 @@
 
 from collections.abc import Iterable, Iterator
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Float32
 
+from lgmd2jax._compute.traced_once import traced_once
 from lgmd2jax._network.abstract import State
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._network.stages import Response
@@ -43,7 +43,7 @@ def streamed_evidence(model: LGMD2, clip: Clip) -> tuple[Timeline, Float[np.ndar
     return film, trace, drive
 
 
-@eqx.filter_jit
+@traced_once
 def _judged(
     model: LGMD2, response: Response, interval: Float[Array, " time"], pixels: int, N_sp: int
 ) -> tuple[Float[Array, " time"], Drive]:
@@ -73,7 +73,7 @@ def _stacked(block: list[Moment]) -> tuple[Float32[np.ndarray, "frame row col"],
     return np.stack(frames), np.array(intervals)
 
 
-@eqx.filter_jit
+@traced_once
 def _advance(
     model: LGMD2,
     state: State,

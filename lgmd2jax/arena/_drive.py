@@ -45,7 +45,7 @@ class Trip(eqx.Module):
     - `pose`: where each frame was taken.
     - `alarm`: whether the detector raised an alarm on a drive.
     - `contact`: whether the robot ran into something; true once for each contact.
-    - `driven_cm`: way to the next frame; 0 in a turn.
+    - `driven_cm`: distance to the next frame; 0 in a turn.
     """
 
     pose: Pose

@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import PRNGKeyArray
 
 from lgmd2jax._compute.batching import each_on_all_devices
+from lgmd2jax._compute.traced_once import traced_once
 from lgmd2jax._eye import Eye
 from lgmd2jax.arena._camera import EYE, Scene
 from lgmd2jax.arena._detectors import AbstractDetector
@@ -17,7 +18,7 @@ from lgmd2jax.arena._layout import Layout, random_layout
 
 
 class Start(eqx.Module):
-    """What a robot is put into, in arrays that stack: the scene, where it starts, and the key of its chances."""
+    """What a robot is put into, in arrays that stack: the scene, where it starts, and the key of its random numbers."""
 
     scene: Scene
     pose: Pose
@@ -25,7 +26,7 @@ class Start(eqx.Module):
 
     @classmethod
     def of(cls, seed: int) -> "Start":
-        """The arena and the chances of a seed."""
+        """The arena and the random numbers of a seed."""
         layout = random_layout(seed)
         pose = Pose(jnp.asarray(layout.start, jnp.float32), jnp.asarray(layout.heading, jnp.float32))
         return cls(Scene.of(layout), pose, jax.random.key(seed))
@@ -47,7 +48,7 @@ def run(
     return layouts, trips(detector, Start.stacked(seeds), turn=turn, seconds=seconds, eye=eye)
 
 
-@eqx.filter_jit
+@traced_once
 def trips(
     detector: AbstractDetector, starts: Start, *, turn: Turn = "random", seconds: float = SECONDS, eye: Eye = EYE
 ) -> Trip:

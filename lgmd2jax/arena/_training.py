@@ -116,7 +116,7 @@ SPACES: Mapping[str, Space] = {
 
 @dataclasses.dataclass(frozen=True)
 class Training:
-    """The settings that were chosen, and what they did in the arenas of the final, with a robot without a detector."""
+    """The settings that were chosen, and what they did in the evaluation's arenas, with a robot without a detector."""
 
     settings: dict[str, float]
     outcome: Outcome

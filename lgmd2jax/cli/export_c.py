@@ -16,7 +16,7 @@ from lgmd2jax._c.source import file_names, sources
 from lgmd2jax._eye import Eye
 from lgmd2jax._files.atomic import read_json
 from lgmd2jax._files.folder import check_folder, replaced_folder
-from lgmd2jax._handover.model_file import as_lgmd2, save
+from lgmd2jax._handover.model_file import as_lgmd2, calibration_of, save
 from lgmd2jax._handover.named import model_file, model_named
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._network.parameter_set import declared
@@ -40,16 +40,21 @@ def export_c(options: argparse.Namespace) -> None:
     own = as_lgmd2(model_named(options.model))
     eye = _eye(own.eye, options)
     model = dataclasses.replace(own, eye=eye) if own.eye is None else at_eye(own, eye)
-    needs = _check_memory(memory(model, eye.rows, eye.cols), options.ram)
+    path = model_file(options.model)
+    calibration = {} if path is None else calibration_of(path)
+    urgency = calibration.get("urgency") if model is own else None
+    needs = _check_memory(memory(model, eye.rows, eye.cols, urgency is not None), options.ram)
     conditions = load_protocol(options.protocol or "lgmd2").conditions
     clips = [open_clip(path, resize=eye.cols) for path in options.clip or ()]
-    films = list(_progress(_films(conditions, eye, clips), "films", len(conditions) + len(clips)))
-    files = _write(folder, model, None if model is not own else model_file(options.model), _provenance(options.model))
+    films = list(_progress(_films(conditions, eye, clips), "stimuli", len(conditions) + len(clips)))
+    files = _write(folder, model, path if model is own else None, _provenance(path))
 
     size = f"{eye.rows} x {eye.cols} pixels of {eye.degrees_per_pixel:g} degrees at {eye.fps:g} fps"
     print(f"wrote {folder}: C99 for {size}; there: make test, make robot, make emulation")
     print(f"RAM: {needs.state + needs.frame:,} bytes, of the state {needs.state:,}, of the frame {needs.frame:,}")
     print(_changes(own, model))
+    if "urgency" in calibration and urgency is None:
+        print("the urgency was calibrated for the model's own eye, and is left out")
     programs = None
     if compiler() is None:
         print("there is no C compiler here (cc, or CC): how far the C is from the hard model is not known")
@@ -109,9 +114,8 @@ def _whole(frames: np.ndarray) -> np.ndarray:
     return np.clip(np.round(frames), 0, 255).astype(np.uint8)
 
 
-def _provenance(name: str) -> dict:
+def _provenance(path: Path | None) -> dict:
     """What the hand-over file says of its origin; nothing for a preset."""
-    path = model_file(name)
     if path is None:
         return {}
     known = read_json(path)["provenance"]
@@ -132,7 +136,8 @@ def _write(folder: Path, model: LGMD2, original: Path | None, provenance: Mappin
             save(model, handover, provenance)
         else:
             handover.write_bytes(content)
-        files = sources(model, read_json(handover)["test_vector"])
+        written = read_json(handover)
+        files = sources(model, written["test_vector"], written.get("calibration", {}).get("urgency"))
         for name, text in files.items():
             (new / name).parent.mkdir(exist_ok=True)
             (new / name).write_text(text, encoding="utf-8")
@@ -148,17 +153,21 @@ def _changes(own: LGMD2, model: LGMD2) -> str:
         for name in declared(type(own.parameters))
         if name not in own.unused
     }
-    changes = [f"{name} {before:.4g} to {after:.4g}" for name, (before, after) in values.items() if before != after]
+    changes = [f"{name} {before:.4g} -> {after:.4g}" for name, (before, after) in values.items() if before != after]
     if own.N_ts != model.N_ts:
-        changes.append(f"N_ts {own.N_ts} to {model.N_ts}")
-    return f"for this eye: {', '.join(changes)}" if changes else "all parameters as they are: they belong to this eye"
+        changes.append(f"N_ts {own.N_ts} -> {model.N_ts}")
+    return (
+        f"changed for this eye: {', '.join(changes)}"
+        if changes
+        else "all parameters as they are: they belong to this eye"
+    )
 
 
 def _table(by_name: Mapping[str, Gap], films: Sequence[Film]) -> str:
     words = {"soft": f"soft, temperature {_TEMPERATURE:g}", "C": "C"}
     frames = sum(len(film.frames) for film in films)
-    heading = "largest difference of U'  frames with other spikes  alarms that move  film of that difference"
-    lines = [f"gap to the hard model over {len(films)} films, {frames:,} frames:", f"  {'':22}  {heading}"]
+    heading = "largest difference of U'  frames with other spikes  alarms that move  where that difference is"
+    lines = [f"gap to the hard model over {len(films)} stimuli and clips, {frames:,} frames:", f"  {'':22}  {heading}"]
     for name, gap in by_name.items():
         numbers = f"{gap.difference:24.2g}{gap.other_counts:26}{gap.moved_alarms:18}"
         lines.append(f"  {words[name]:22}  {numbers}  {gap.film}")

@@ -4,6 +4,7 @@ import argparse
 import dataclasses
 import re
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import jax
@@ -85,11 +86,14 @@ def _fit_curves(options: argparse.Namespace, recipe: Recipe, folder: Path, start
             write_stopped(folder, lambda: results.begin(extra, provenance | {"unfinished": SEARCH}), fit.summary(extra))
         extra = Supplement(truth=recipe.truth, unfinished=tuple(left))
         results.begin(extra, provenance)
-        results.draw(extra)
-        for words, add_to in further.items():
-            left.remove(words)
-            extra = dataclasses.replace(add_to(extra), unfinished=tuple(left))
-            results.add(extra)
+        with ThreadPoolExecutor(1) as pool:  # XLA leaves one core to it
+            drawing = pool.submit(results.draw, extra)
+            for words, add_to in further.items():
+                left.remove(words)
+                extra = dataclasses.replace(add_to(extra), unfinished=tuple(left))
+                drawing.result()  # the folder is written by one at a time
+                results.add(extra)
+            drawing.result()
         if recipe.samples:
             draws = fit.sample(jax.random.key(recipe.seed), recipe.samples, memory=memory)
             extra = dataclasses.replace(extra, unfinished=())

@@ -14,7 +14,7 @@ from lgmd2jax._files.folder import check_folder
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._results.alarm_folder import AlarmFolder
 from lgmd2jax._results.results_folder import MARKER, SEARCH
-from lgmd2jax._results.urgency import add_urgency
+from lgmd2jax._results.urgency import URGENCY_FILES, add_urgency
 from lgmd2jax.alarms import (
     AlarmFit,
     AlarmRecipe,
@@ -51,6 +51,8 @@ def run(options: argparse.Namespace, recipe: AlarmRecipe, start: float) -> None:
     """Make the fit, write its folder, add its scores on held-out clips, and print the report."""
     folder = folder_of(options, recipe.name)
     check_folder(folder, MARKER)
+    if recipe.within_ms is None and (folder / URGENCY_FILES[0]).is_file():
+        print(f"{folder} has an urgency, which this fit drops; keep one by [urgency] in the recipe", flush=True)
     # First, so that wrong labels show before the others are rendered.
     own = () if options.clips is None else _own_clips(options.clips, recipe)
     clips = own if options.clips_only else (*recipe.file.load(clips_bar), *own)

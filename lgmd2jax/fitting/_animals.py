@@ -131,7 +131,7 @@ class AnimalFits:
                 f"{len(self.fits)} animals, a fit each",
                 ("parameter", "unit", *numbers),
                 tuple(rows),
-                ("?: undetermined.",),
+                ("?: undetermined. *: on a bound.",),
             ),
             *([Section("Over animals", columns, over, sentences)] if over else []),
         ]
@@ -307,7 +307,8 @@ def _on_worker(versions: str, task: Callable[..., Fit], *arguments: Any) -> Fit:
 
 def _estimate(fit: Fit, i: int) -> str:
     error, name = float(fit.uncertainty.standard_errors[i]), fit.free.names[i]
-    return measured(fit.values[name], error) if fit.uncertainty.determined[i] else f"{plain(fit.values[name])} ?"
+    text = measured(fit.values[name], error) if fit.uncertainty.determined[i] else f"{plain(fit.values[name])} ?"
+    return f"{text} *" if fit.uncertainty.on_bound[i] else text
 
 
 def _reduced(fit: Fit) -> str:

@@ -6,12 +6,12 @@ search over the cell alone it is nothing, because MP(t) and F(t) need not be com
 
 from typing import NamedTuple
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from lgmd2jax._compute.traced_once import traced_once
 from lgmd2jax._network.stages import Sums
 from lgmd2jax.fitting._problem import Curves, Problem
 
@@ -27,7 +27,7 @@ class BestCell(NamedTuple):
     loss_before: Float[Array, ""]
 
 
-@eqx.filter_jit
+@traced_once
 def search_cell(
     problem: Problem, z: Float[Array | np.ndarray, " free"], cells: Float[Array | np.ndarray, "count cell"]
 ) -> BestCell:

@@ -31,8 +31,9 @@ GRADES = (
     f"Where silence itself misses by less than {_QUIET:.0%} of the span, quiet is asked: good is then an RMSE of at "
     f"most {_GOOD_QUIET:.0%} of the span, fair one of at most {_FAIR_QUIET:.0%}. The span is the target's range, but "
     "no less than half of what the channel can do.",
-    "Missed: all else. Of counts of spikes R2 is the share of the deviance explained; chance alone leaves 1 a bin.",
+    "Missed: all else.",
 )
+OF_COUNTS = "Of counts of spikes R2 is the share of the deviance that is explained; chance alone leaves about 1 a bin."
 BAND_GRADES = (
     f"Good: at least {_GOOD_BAND:.0%} of the hard model's samples within; fair: at least {_FAIR_BAND:.0%}; both only "
     f"where silence, a model that stays at rest, has fewer within, or itself {_GOOD_BAND:.0%}. Missed: all else.",

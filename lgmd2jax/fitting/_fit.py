@@ -8,7 +8,7 @@ from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
-import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
@@ -16,11 +16,12 @@ from jaxtyping import Array, Float
 from lgmd2jax._compute.fingerprint import fingerprint
 from lgmd2jax._compute.finished_work import Memory
 from lgmd2jax._compute.tasks import Result, Work
+from lgmd2jax._compute.traced_once import traced_once
 from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.noise import inhibition_in_noise
 from lgmd2jax._network.thresholds import Hard, Soft, StraightThrough
 from lgmd2jax._targets.observation import Observation, observation_symbols
-from lgmd2jax._types import check_key
+from lgmd2jax._types import check_key, strong
 from lgmd2jax._words import nearest
 from lgmd2jax.fitting._conditions import AnyCondition, Rendered, render
 from lgmd2jax.fitting._curve import Curve, curve_of, rest_of
@@ -153,7 +154,7 @@ def fit(
     z, value, choice = np.array(runs[0].z), runs[0].loss, {}
     if choose is not None and not stopped:
         z, value, choice = _chosen(problem, start, runs, choose)
-    slopes = sensitivity_at(problem, jnp.asarray(z), jnp.asarray(temperatures[-1], dtype=float))
+    slopes = sensitivity_at(problem, jax.device_put(z), strong(temperatures[-1]))
     if absolute_errors is None:
         absolute_errors = all(target.has_error for _, targets in pairs for target in targets)
     u = _uncertainty(problem, z, slopes, absolute_errors)
@@ -170,11 +171,11 @@ def fit(
         z=z,
         start={freedom.name: float(freedom.value(at)) for freedom, at in zip(free.freedoms, start, strict=True)},
         loss=value,
-        soft_loss=0.5 * float(jnp.square(slopes.residuals).sum()),
+        soft_loss=0.5 * float(np.square(slopes.residuals).sum()),
         temperatures=temperatures,
         uncertainty=u,
         curved=curved,
-        curves=_curves(problem, observation, pairs, slopes, _hard_curves(problem, jnp.asarray(z)), u),
+        curves=_curves(problem, observation, pairs, slopes, _hard_curves(problem, jax.device_put(z)), u),
         runs=tuple(runs),
         screened=tuple(sorted(point["loss"] for point in screened.values())),
         errors=problem.frame_errors(u.variance),
@@ -240,7 +241,7 @@ def _chosen(
     """The candidate with the highest score, its loss, and what the choice was between."""
     ends = [np.array(run.z) for run in runs]
     candidates = [start, *(start + share * (end - start) for end in ends for share in _SHARES)]
-    losses = [float(_hard_loss(problem, jnp.asarray(z))) for z in candidates]
+    losses = [float(_hard_loss(problem, jax.device_put(z))) for z in candidates]
     scores = [float(choose(problem.at(z)[0])) for z in candidates]
     best = max(range(len(candidates)), key=lambda i: (scores[i], -losses[i]))
     least = int(np.argmin(losses))
@@ -249,7 +250,7 @@ def _chosen(
     return candidates[best], losses[best], {"choice": choice}
 
 
-@eqx.filter_jit
+@traced_once
 def _hard_loss(problem: Problem, z: Float[Array, " free"]) -> Float[Array, ""]:
     return 0.5 * jnp.square(problem.residuals(z, None)).sum()
 
@@ -298,7 +299,7 @@ def _uncertainty(problem: Problem, z: Float[np.ndarray, " free"], slopes: Sensit
     )
 
 
-@eqx.filter_jit
+@traced_once
 def _hard_curves(problem: Problem, z: Float[Array, " free"]) -> Curves:
     model, observation = problem.at(z)
     hard = dataclasses.replace(model, thresholds=Hard())
@@ -318,9 +319,9 @@ def _curves(
     for (stimulus, targets), places in zip(pairs, problem.places, strict=True):
         for target, (batch, slot, row) in zip(targets, places, strict=True):
             frames = slice(len(target.values))
-            soft_curve = np.asarray(slopes.curves[batch][slot][row])[frames]
-            hard_curve = np.asarray(hard[batch][slot][row])[frames]
-            band = prediction_band(u, np.asarray(slopes.slopes[batch][slot][row])[frames])
+            soft_curve = np.asarray(slopes.curves[batch][slot])[row, frames]
+            hard_curve = np.asarray(hard[batch][slot])[row, frames]
+            band = prediction_band(u, np.asarray(slopes.slopes[batch][slot])[row, frames])
             rest = rest_of(target.channel, observation)
             curves.append(curve_of(stimulus, target, soft_curve, hard_curve, band, rest))
     return tuple(curves)

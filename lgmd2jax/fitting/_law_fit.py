@@ -9,7 +9,7 @@ from jaxtyping import Float
 from scipy.optimize import least_squares
 
 from lgmd2jax._channels import Channel
-from lgmd2jax._signals import line_through, vertex
+from lgmd2jax._signals import line_through, peak_times
 from lgmd2jax._targets.looming_law import LoomingLaw, course
 from lgmd2jax._targets.observation import Observation
 from lgmd2jax._targets.target import Target
@@ -97,7 +97,7 @@ def compare_with_law(pairs: Pairs, curves: Sequence[Curve], *, smoothing: float)
         predicted = law.predict(stimulus)
         r2[stimulus.name] = variance_explained(target.values, predicted, target.weight)
         rates = target.values, hard[stimulus.name], predicted
-        peaks[stimulus.name] = tuple(_peak_time(np.asarray(stimulus.time), rate) for rate in rates)
+        peaks[stimulus.name] = tuple(peak_times(np.asarray(stimulus.time), np.stack(rates)).tolist())
     left_out = leave_one_out(lambda others: fit_law(others, smoothing=smoothing).predict, pairs)
     speeds = np.array([stimulus.parameters["l_over_v"] for stimulus, _ in pairs], dtype=float)
     times = np.array(list(peaks.values()))
@@ -114,12 +114,6 @@ def check_approaches(pairs: Pairs) -> None:
             )
     if len({float(stimulus.parameters["l_over_v"]) for stimulus, _ in pairs}) < 2:
         raise ValueError("looming_law is true, but there is one l/|v| only; a line of peak times needs two")
-
-
-def _peak_time(time: np.ndarray, values: np.ndarray) -> float:
-    """The vertex of the parabola through the largest value and its neighbours."""
-    i = int(np.clip(np.argmax(values), 1, len(values) - 2))
-    return float(time[i] + vertex(*values[i - 1 : i + 2]) * (time[1] - time[0]))
 
 
 def _line(speeds: np.ndarray, peak_times: np.ndarray) -> PeakLine:

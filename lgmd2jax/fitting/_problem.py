@@ -16,6 +16,7 @@ from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.stages import Sums
 from lgmd2jax._targets.observation import Observation
 from lgmd2jax._targets.target import Target, stride
+from lgmd2jax._types import strong
 from lgmd2jax.fitting._free import Free
 from lgmd2jax.fitting._poisson import LEAST_RATE, bin_means, deviance_residuals, minus_two_log_likelihood
 from lgmd2jax.fitting._robust import Loss, robust
@@ -141,8 +142,9 @@ class Problem(Space[AbstractNetwork]):
     @property
     def scale(self) -> float:
         """The norm of the factors of all differences."""
-        rows = [slot.scale / jnp.sqrt(slot.thinning)[:, None] for batch in self.batches for slot in batch.slots]
-        return float(jnp.linalg.norm(jnp.concatenate([row.ravel() for row in rows])))
+        slots = [slot for batch in self.batches for slot in batch.slots]
+        rows = [np.asarray(slot.scale) / np.sqrt(slot.thinning)[:, None] for slot in slots]
+        return float(np.linalg.norm(np.concatenate([row.ravel() for row in rows])))
 
     @property
     def priors(self) -> int:
@@ -172,9 +174,8 @@ class Problem(Space[AbstractNetwork]):
 
     def samples(self) -> float:
         """How many independent samples the targets hold."""
-        return sum(
-            float(((slot.scale > 0).sum(axis=1) / slot.thinning).sum()) for b in self.batches for slot in b.slots
-        )
+        slots = (jax.tree.map(np.asarray, slot) for batch in self.batches for slot in batch.slots)
+        return sum(float(((slot.scale > 0).sum(axis=1) / slot.thinning).sum()) for slot in slots)
 
     @property
     def has_counts(self) -> bool:
@@ -202,7 +203,7 @@ class Problem(Space[AbstractNetwork]):
             ((slot.scale > 0) & slot.inside(curve), slot.thinning)
             for batch, predicted in zip(self.batches, curves, strict=True)
             for slot, curve in zip(batch.slots, predicted, strict=True)
-            if np.any(slot.low < slot.high)
+            if np.any(np.asarray(slot.low) < np.asarray(slot.high))
         ]
         return sum(float((inside.sum(axis=1) / thinning).sum()) for inside, thinning in rows) if rows else None
 
@@ -212,7 +213,7 @@ def chi2_residuals(problem: Problem, temperature: float, variance: float) -> Par
 
     All that they depend on is an argument, so that another parameter's profile compiles nothing.
     """
-    return Partial(_chi2_residuals, problem, jnp.asarray(temperature, dtype=float), jnp.asarray(variance, dtype=float))
+    return Partial(_chi2_residuals, problem, strong(temperature), strong(variance))
 
 
 def _chi2_residuals(
@@ -250,9 +251,8 @@ def _batch(members: Sequence[tuple[Stimulus, Sequence[Target]]]) -> tuple[Batch,
 
     def padded(rows, **settings):
         rows = [np.asarray(row) for row in rows]
-        return jnp.stack(
-            [np.pad(row, [(0, length - len(row))] + [(0, 0)] * (row.ndim - 1), **settings) for row in rows]
-        )
+        rows = [np.pad(row, [(0, length - len(row))] + [(0, 0)] * (row.ndim - 1), **settings) for row in rows]
+        return jax.device_put(np.stack(rows))
 
     # By channel, whether they are counts, and which of a condition's targets of that kind it is.
     columns: dict[tuple[str, bool, int], list[Target | None]] = {}
@@ -280,7 +280,7 @@ def _batch(members: Sequence[tuple[Stimulus, Sequence[Target]]]) -> tuple[Batch,
             rows(column, lambda target: target.values),
             rows(column, lambda target: target.values if target.upper is None else target.upper),
             rows(column, lambda target: target.scale),
-            jnp.asarray([1.0 if target is None else target.thinning for target in column]),
+            jax.device_put(np.array([1.0 if target is None else target.thinning for target in column])),
             rows(
                 column,
                 lambda target: (
@@ -294,8 +294,8 @@ def _batch(members: Sequence[tuple[Stimulus, Sequence[Target]]]) -> tuple[Batch,
     times = [np.asarray(stimulus.time) for stimulus, _ in members]
     batch = Batch(
         frames=padded([stimulus.frames for stimulus, _ in members], mode="edge"),
-        interval=jnp.asarray([1000 / stimulus.fps for stimulus, _ in members]),
-        time=jnp.stack([np.concatenate([time, time[-1] + far[: length - len(time)]]) for time in times]),
+        interval=jax.device_put(np.array([1000 / stimulus.fps for stimulus, _ in members])),
+        time=jax.device_put(np.stack([np.concatenate([time, time[-1] + far[: length - len(time)]]) for time in times])),
         slots=tuple(slots),
     )
     order = list(columns)

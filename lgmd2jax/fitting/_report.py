@@ -14,7 +14,7 @@ from lgmd2jax._network.parameters import ParameterSet, symbols
 from lgmd2jax._reports.digits import measured, plain, rounded
 from lgmd2jax._reports.section import Section
 from lgmd2jax._targets.observation import Observation, observation_symbols
-from lgmd2jax.fitting._curve import BAND_GRADES, DISAGREEMENT, GRADES, Curve, Grade, Kind, tallies
+from lgmd2jax.fitting._curve import BAND_GRADES, DISAGREEMENT, GRADES, OF_COUNTS, Curve, Grade, Kind, tallies
 from lgmd2jax.fitting._free import Free
 from lgmd2jax.fitting._law_fit import LawComparison
 from lgmd2jax.fitting._residuals import residuals_of
@@ -185,7 +185,8 @@ def curve_section(curves: Sequence[Curve]) -> Section:
     ]
     columns = ("curve", "channel", "R2 soft|", "hard|", "RMSE soft|", "hard|", "silence|", "unit", "gap|", "grade")
     title = "Curves (gap: of soft and hard, as a share of the span)"
-    return Section(title, columns, tuple(rows), GRADES if rows else ())
+    counts = (OF_COUNTS,) if any(curve.exposure is not None for curve in curves) else ()
+    return Section(title, columns, tuple(rows), (*GRADES, *counts) if rows else ())
 
 
 def band_section(curves: Sequence[Curve]) -> Section:
@@ -216,7 +217,7 @@ def band_section(curves: Sequence[Curve]) -> Section:
 
 
 def residual_section(curves: Sequence[Curve], kind: Kind) -> Section:
-    """Where a model misses each target most, and over how long its residuals are alike."""
+    """Where a model misses each target most, and over how long its residuals are correlated."""
     rows = []
     for curve in curves:
         time, values = rest = residuals_of(curve, kind)
@@ -234,10 +235,11 @@ def residual_section(curves: Sequence[Curve], kind: Kind) -> Section:
                 "-" if math.isnan(lag) else f"{rest.correlation_ms:.0f}",
             )
         )
-    columns = ("residuals of", "channel", "mean|", "largest|", "unit", "at ms|", "autocorrelation|", "alike over ms|")
+    columns = ("residuals of", "channel", "mean|", "largest|", "unit", "at ms|", "autocorrelation|")
+    columns += ("correlated over ms|",)
     sentences = (
-        "Autocorrelation: of neighbouring samples. Noise is alike over the span of the recording's own smoothing; what "
-        "is alike over longer is what this circuit cannot do.",
+        "Autocorrelation: of neighbouring samples. Noise is correlated over the span of the recording's own smoothing; "
+        "what is correlated over longer this circuit cannot do.",
     )
     return Section(f"Residuals of the {kind} model", columns, tuple(rows), sentences)
 
@@ -305,7 +307,7 @@ def profile_section(profiles: Mapping[str, Profile], free: Free, u: Uncertainty)
             for end, is_open in zip(profile.interval, profile.is_open, strict=True)
         )
         rows.append((name, f"{low} .. {high}", _interval(u, i), _unit(free.freedoms[i].symbol.unit)))
-    columns = ("parameter", "by profile|", f"above, {CONFIDENCE:.0%}|", "unit")
+    columns = ("parameter", "by profile|", f"as in the table, {CONFIDENCE:.0%}|", "unit")
     is_open = any(end for profile in profiles.values() for end in profile.is_open)
     sentences = ("Open: up to the bound, chi2 does not rise so far.",) if is_open else ()
     return Section("Profile-likelihood intervals", columns, tuple(rows), sentences)

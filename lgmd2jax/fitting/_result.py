@@ -7,7 +7,7 @@ import os
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, Literal
 
-import jax.numpy as jnp
+import jax
 import numpy as np
 from jaxtyping import Array, Float
 
@@ -20,7 +20,7 @@ from lgmd2jax._protocol.condition import Condition
 from lgmd2jax._reports.section import Section, as_html, as_text, unfinished_section
 from lgmd2jax._targets.observation import Observation, observation_symbols
 from lgmd2jax._targets.target import Target
-from lgmd2jax._types import check_key
+from lgmd2jax._types import check_key, strong
 from lgmd2jax._words import warn_renamed
 from lgmd2jax.fitting import _report
 from lgmd2jax.fitting._curve import DISAGREEMENT, Curve, predict
@@ -99,7 +99,7 @@ class Fit:
     @property
     def soft(self) -> AbstractNetwork:
         """The same parameters at the last temperature."""
-        thresholds = soften(self.model.thresholds, jnp.asarray(self.temperatures[-1], dtype=float))
+        thresholds = soften(self.model.thresholds, strong(self.temperatures[-1]))
         return dataclasses.replace(self.model, thresholds=thresholds)
 
     @property
@@ -109,7 +109,7 @@ class Fit:
 
     @property
     def kind(self) -> Literal["soft", "hard"]:
-        """Of the curves those of `model`, with its own thresholds."""
+        """Which of the curves are those of `model`: `"hard"` or `"soft"`."""
         return "hard" if isinstance(self.model.thresholds, Hard) else "soft"
 
     @property
@@ -196,7 +196,7 @@ class Fit:
         values = np.array([float(getattr(self._owner(name), name)) for name in fixed])
         bounds = np.array([(choice.low, choice.high) for choice in fixed.values()])
         place = np.append(self.z, (values - bounds[:, 0]) / np.ptp(bounds, axis=1))
-        slopes = sensitivity_at(wider, jnp.asarray(place), jnp.asarray(self.temperatures[-1], dtype=float))
+        slopes = sensitivity_at(wider, jax.device_put(place), strong(self.temperatures[-1]))
         jacobian, residuals = known_rows(wider, slopes)
         scale = np.ones(len(residuals))
         scale[: len(residuals) - problem.priors] = np.sqrt(u.variance or 1.0)
@@ -221,7 +221,7 @@ class Fit:
 
     def next_stimulus(self, candidates: Sequence[Condition | Stimulus]) -> list[Candidate]:
         """Which stimulus to record next: the one that narrows the intervals most. The best stands first."""
-        temperature = jnp.asarray(self.temperatures[-1], dtype=float)
+        temperature = strong(self.temperatures[-1])
         stimuli = [candidate if isinstance(candidate, Stimulus) else candidate.render() for candidate in candidates]
         jacobians = []
         for stimulus in stimuli:
@@ -229,7 +229,7 @@ class Fit:
             targets = [Target(channel, nothing, error=self.errors[channel]) for channel in self.channels]
             pair = stimulus, [target.on(stimulus) for target in targets]
             problem = problem_of(self.model, self.observation, self.free, [pair], "squares")
-            jacobian = sensitivity_at(problem, jnp.asarray(self.z), temperature).jacobian
+            jacobian = sensitivity_at(problem, jax.device_put(self.z), temperature).jacobian
             jacobians.append(np.asarray(jacobian)[: len(targets) * len(nothing)])
         return rank(self.uncertainty, jacobians, [stimulus.name for stimulus in stimuli])
 

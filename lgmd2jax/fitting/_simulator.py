@@ -13,6 +13,7 @@ from typing_extensions import TypeAliasType
 
 from lgmd2jax._channels import Channel
 from lgmd2jax._compute.batching import each
+from lgmd2jax._compute.traced_once import traced_once
 from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._protocol.condition import Condition
 from lgmd2jax._signals import vertex
@@ -162,7 +163,7 @@ def _stimulus(condition: Condition | Stimulus | tuple[Stimulus, Any]) -> Stimulu
     return condition if isinstance(condition, Stimulus) else condition[0]
 
 
-@eqx.filter_jit
+@traced_once
 def _simulate(
     simulator: Simulator, theta: Float[Array, "batch parameter"], keys: Array | None
 ) -> Float[Array, "batch summary"]:

@@ -32,6 +32,7 @@ Neuron = Fit | AbstractNetwork
 
 _TEMPERATURE = 0.5  # of the thresholds through which gradients pass
 _STEPS = 25  # of an ascent, at most
+_CANDIDATES = 8  # points for each start: the best of them are ascended from
 
 
 @dataclasses.dataclass(frozen=True)
@@ -66,7 +67,8 @@ def strongest_stimulus(
     """The stimulus of a family that a neuron answers most, by gradient ascent on the family's arguments.
 
     The ascent follows the gradient through stimulus and soft model, in the box of the arguments, from several points.
-    What counts is the hard model on whole grey levels: of all starts and ends the best by that measure is taken.
+    What counts is the hard model on whole grey levels: the starts are the best of eight times as many points by that
+    measure, and of all starts and ends the best is taken.
 
     ```python
     found = lgmd.strongest_stimulus(
@@ -216,7 +218,9 @@ def _search(
         value, slope = ascended(jnp.asarray(z))
         return -float(value), -np.asarray(slope, dtype=float)
 
-    points, ends = sobol(len(names), starts, seed_of(key)), []
+    candidates = sobol(len(names), _CANDIDATES * starts, seed_of(key))
+    told = [judged(_whole(render(jnp.asarray(z)))) for z in candidates]
+    points, ends = candidates[np.argsort(told)[::-1][:starts]], []
     for point in points:
         bounds = [(0.0, 1.0)] * len(names)
         found = scipy.optimize.minimize(

@@ -45,14 +45,17 @@ def _sources(count: int, ratio: float) -> Int[np.ndarray, " time"]:
 
 
 def _as_h264(frames: UInt8[np.ndarray, "time row col"], crf: int) -> UInt8[np.ndarray, "time row col"]:
-    """The frames encoded and decoded, in memory. One thread: with more of them the bits differ from run to run."""
+    """The frames encoded and decoded, in memory.
+
+    By one thread in plain C: with more threads, or x264's code for vector registers, the bits differ from run to run.
+    """
     try:
         import av
     except ImportError:
         raise ValueError("rendered films pass through H.264, which needs PyAV: pip install 'lgmd2jax[video]'") from None
     file = io.BytesIO()
     with av.open(file, "w", format="matroska") as container:
-        options = {"crf": str(crf), "preset": "veryfast", "threads": "1"}
+        options = {"crf": str(crf), "preset": "veryfast", "threads": "1", "x264-params": "asm=0"}
         stream = container.add_stream("libx264", rate=30, options=options)
         stream.height, stream.width = frames.shape[1:]
         stream.pix_fmt = "yuv420p"

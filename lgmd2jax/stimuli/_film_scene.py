@@ -13,6 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int, Real
 
+from lgmd2jax._compute.traced_once import traced_once
 from lgmd2jax._eye import Eye
 from lgmd2jax._types import Map
 from lgmd2jax.stimuli import _texture as texture
@@ -142,7 +143,7 @@ def patterns() -> Float[np.ndarray, "pattern texel texel"]:
     return np.array(pieces, np.float32)
 
 
-@eqx.filter_jit
+@traced_once
 def _draw(eye: Eye, scene: Scene, motion: Motion) -> Float[Array, "time row col"]:
     azimuth, elevation = (jnp.radians(grid).astype(jnp.float32) for grid in eye.angles())
     rays = jnp.stack([jnp.sin(azimuth) * jnp.cos(elevation), jnp.sin(elevation), jnp.cos(azimuth) * jnp.cos(elevation)])

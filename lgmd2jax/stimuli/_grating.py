@@ -1,11 +1,11 @@
 """Gratings that move: sinusoidal and square."""
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from lgmd2jax._compute.traced_once import traced_once
 from lgmd2jax._eye import Eye
 from lgmd2jax._types import Scalar, is_concrete
 from lgmd2jax.stimuli._arguments import number, one_of, positive
@@ -112,7 +112,7 @@ def _square(place, wave):
 _WAVEFORMS = {"sine": _sine, "square": _square}
 
 
-@eqx.filter_jit
+@traced_once
 def _stripes(eye: Eye, time, drift, wave, mean, contrast, waveform: str) -> Float[Array, "time row col"]:
     right, up = eye.pixel_centres()
     stripes = _WAVEFORMS[waveform](wave[0] * right + wave[1] * up, wave)

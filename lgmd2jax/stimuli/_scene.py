@@ -7,6 +7,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from lgmd2jax._compute.traced_once import traced_once
 from lgmd2jax._eye import Eye
 from lgmd2jax._types import Scalar, Times, is_concrete
 from lgmd2jax.stimuli import _shapes as shapes
@@ -102,13 +103,13 @@ def sketch_object(eye: Eye, time: Times, background: Background, look: Look, tra
     return Sketch(time, lambda: _draw(eye, time, background, look, trajectory))
 
 
-@eqx.filter_jit
+@traced_once
 def film(eye: Eye, time: Times, background: Background) -> Frames:
     """The background alone."""
     return jax.lax.map(background.painter(eye), time)
 
 
-@eqx.filter_jit
+@traced_once
 def _draw(eye: Eye, time: Times, background: Background, look: Look, trajectory: Trajectory) -> tuple[Frames, Courses]:
     bounds, courses = trajectory(eye, time)
     paint = background.painter(eye)

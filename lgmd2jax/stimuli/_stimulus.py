@@ -28,7 +28,7 @@ class Stimulus(eqx.Module):
     - `name`: the family that it belongs to.
     - `parameters`: the numbers that it was rendered with, by the names of the family's arguments; `noise`
       where a camera filmed.
-    - `courses`: what was shown over time, by name with its unit, such as `"full_angle_deg"`.
+    - `courses`: time courses of what was shown, by name with its unit, such as `"full_angle_deg"`.
     """
 
     frames: Float[Array, "time row col"]

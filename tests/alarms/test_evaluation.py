@@ -75,6 +75,7 @@ def test_intervals_of_a_score():
     score = Evaluation((*[hit] * 10, silence), traces, 0.7).score()
     assert score.hits == pytest.approx((0.9, 0.5958, 0.9821), abs=1e-4)
     assert score.false_alarms == pytest.approx((0, 0, 3.6889), abs=1e-4)
+    assert str(score) == "hits 90 (59.6 to 98.2) % of the windows, 0 (0 to 3.69) false alarms a minute"
     noisy = np.full(600, 0.5)
     noisy[[3, 90]] = 0.8
     assert Evaluation((silence,), (noisy,), 0.7).score().false_alarms == pytest.approx((2, 0.2422, 7.2247), abs=1e-4)

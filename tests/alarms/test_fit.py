@@ -61,6 +61,11 @@ def test_verdicts_of_a_known_network_are_found_again(clips, fitted):
     assert 0 < fitted.right < fitted.screened == 4 * 128
 
 
+def test_the_old_name_of_an_evaluation(fitted):
+    with pytest.warns(DeprecationWarning, match=r"^AlarmFit.watch is now AlarmFit.evaluation;"):
+        assert fitted.watch is fitted.evaluation
+
+
 def test_the_margin_is_how_far_T_sp_may_move(clips, fitted):
     T_sp = float(fitted.model.parameters.T_sp)
     for share, all_right in ((0.99, True), (1.01, False)):

@@ -16,6 +16,7 @@ from lgmd2jax.alarms._reliability import came_true, logistic_fit
 from lgmd2jax.alarms._urgency import _judged
 from lgmd2jax.cli import main
 from tests import clips
+from tests.alarms.test_command import PROTOCOL as LABELS
 from tests.network.test_mechanisms import PARAMETERS
 
 ROOT = pathlib.Path(__file__).parents[2]
@@ -257,16 +258,22 @@ k = {}
 count = 6
 seed = 9
 """
-LABELS = """
-[eye]
-rows = 12
-cols = 18
-degrees_per_pixel = 4
-fps = 30
-[rendered]
-count = 6
-seed = 2
-"""
+
+
+def test_the_fit_does_not_see_it(tmp_path):
+    """So that a recipe may ask for it later, and the work of its fit is still of that recipe."""
+    (tmp_path / "clips.toml").write_text(LABELS)
+    digests = set()
+    for number, addition in enumerate(("", "[urgency]\nwithin_ms = 400\n", "[weights]\nmiss = 2\n")):
+        (tmp_path / f"{number}.toml").write_text(RECIPE + addition)
+        digests.add(alarms.load_recipe(tmp_path / f"{number}.toml").digest(approaches()))
+    assert len(digests) == 2
+
+
+def test_the_shipped_fit_keeps_its_urgency_when_it_is_made_again():
+    told = alarms.load_urgency(ROOT / "fits/video/model.json")
+    assert told is not None
+    assert alarms.load_recipe(ROOT / "fits/video.toml").within_ms == told.within_ms
 
 
 def test_the_command_adds_it_to_a_folder(path, tmp_path, monkeypatch, capsys):
@@ -300,6 +307,10 @@ def test_the_command_adds_it_to_a_folder(path, tmp_path, monkeypatch, capsys):
     assert len(urgency.foretold) == len(urgency.observed) > 1
     assert 0 < numbers["held_out"]["brier"][0] < 1
     assert (folder / "reliability.png").stat().st_size > 10_000
+    monkeypatch.setattr(alarms.AlarmRecipe, "run", lambda *_, **__: pytest.fail("no fit is wanted"))
+    with pytest.raises(pytest.fail.Exception):
+        main(["fit", "mine.toml"])
+    assert "mine has an urgency, which this fit drops; keep one by [urgency] in the recipe" in capsys.readouterr().out
     (tmp_path / "mine.toml").write_text(RECIPE.split("[validation]")[0])
     assert main(["calibrate", "mine.toml"]) == 1
     assert "mine.toml has no [validation]" in capsys.readouterr().err

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import lgmd2jax as lgmd
+from lgmd2jax import alarms
 from lgmd2jax.cli import main
 from tests.c.programs import tool
 
@@ -63,7 +64,7 @@ def test_the_models_own_eye(export, original, tmp_path):
     assert wrote.startswith(f"wrote {folder}: C99 for 10 x 14 pixels of 5 degrees at 50 fps; there: make test")
     assert re.fullmatch(r"RAM: [\d,]+ bytes, of the state [\d,]+, of the frame 140", ram)
     assert changes == "all parameters as they are: they belong to this eye"
-    assert gap == "gap to the hard model over 2 films, 52 frames:"
+    assert gap == "gap to the hard model over 2 stimuli and clips, 52 frames:"
     assert re.fullmatch(r"  soft, temperature 0.05 +0?\.\d+ +\d+ +\d+  loom [24]0", soft)
     in_c = re.fullmatch(r"  C +(\S+) +0 +0  loom [24]0", c)
     assert in_c is not None
@@ -77,14 +78,29 @@ def test_another_eye(export, tmp_path):
     """Twice the field at half the rate: k and A_ffi by the area, k and the thresholds of changes by the interval."""
     status, out, _ = export("--rows", "20", "--cols", "14", "--degrees-per-pixel", "5", "--fps", "25")
     assert status == 0
-    assert "for this eye: sigma1 0.1 to 0.01, T_s 10 to 20, T_sfa 0.001 to 0.002, N_sp 6 to 3, A_ffi 0.2 to 0.1," in out
-    assert "N_ts 4 to 1" in out
+    assert "changed for this eye: sigma1 0.1 -> 0.01, T_s 10 -> 20, T_sfa 0.001 -> 0.002, N_sp 6 -> 3, " in out
+    assert "A_ffi 0.2 -> 0.1, " in out
+    assert "N_ts 4 -> 1" in out
     there = lgmd.load(tmp_path / "robot" / "model.json")
     assert there.eye == lgmd.Eye(20, 14, 5.0, 25.0)
     assert float(there.parameters.k) == 4.0
     assert json.loads((tmp_path / "robot" / "model.json").read_text())["provenance"]["recipe"] == "mine"
     assert ".A_ffi = 0.1f" in (tmp_path / "robot" / "lgmd2.c").read_text()
     assert "#define LGMD2_ROWS 20\n" in (tmp_path / "robot" / "lgmd2.h").read_text()
+
+
+def test_the_urgency_goes_with_the_eye_that_it_was_calibrated_for(export, original, tmp_path):
+    calibrated = tmp_path / "calibrated.json"
+    calibrated.write_bytes(original.read_bytes())
+    alarms.Urgency(400.0, 150.0, 0.0, 1.0, 2.0, 3.0, 4.0).save(calibrated)
+    status, out, _ = export(model=calibrated)
+    assert status == 0
+    assert "the urgency" not in out
+    assert "the probability of contact within 400 ms" in (tmp_path / "robot" / "lgmd2.h").read_text()
+    status, out, _ = export("--fps", "25", model=calibrated)
+    assert status == 0
+    assert "the urgency was calibrated for the model's own eye, and is left out" in out.splitlines()
+    assert "output->urgency = NAN;" in (tmp_path / "robot" / "lgmd2.c").read_text()
 
 
 def test_a_preset_gets_its_eye_here(export):
@@ -102,7 +118,7 @@ def test_a_clip_of_your_own(export, tmp_path):
     iio.imwrite(tmp_path / "crash.mp4", frames, plugin="pyav", codec="libx264", fps=30)
     status, out, _ = export("--clip", str(tmp_path / "crash.mp4"))
     assert status == 0
-    assert "over 3 films, 72 frames" in out
+    assert "over 3 stimuli and clips, 72 frames" in out
 
 
 def test_without_a_compiler_a_line_says_so(export, tmp_path, monkeypatch):

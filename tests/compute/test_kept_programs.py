@@ -4,11 +4,12 @@ import json
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
 from lgmd2jax._compute import kept_programs
-from lgmd2jax._compute.kept_programs import keep_programs, programs_folder
+from lgmd2jax._compute.kept_programs import keep_programs, place_of_programs, programs_folder
 
 KEEP = """
 from lgmd2jax._compute.kept_programs import keep_programs
@@ -64,6 +65,7 @@ def test_a_second_start_reads_what_the_first_one_compiled_and_answers_the_same(s
     second, again = start()
     assert second == len(start.kept())
     assert again == value
+    assert start(JAX_ENABLE_COMPILATION_CACHE="true") == [second, value]
     assert start(JAX_ENABLE_COMPILATION_CACHE="false") == [0, value]
 
 
@@ -123,7 +125,8 @@ def test_the_programs_that_were_used_longest_ago_go(tmp_path, monkeypatch):
     for age, name in enumerate("abcd"):
         (old / f"{name}-cache").write_bytes(bytes(100))
         os.utime(old / f"{name}-cache", (10**9 - age, 10**9 - age))
-    monkeypatch.setenv("PYTHONWARNINGS", "")
+    for name in ("PYTHONWARNINGS", "LGMD2JAX_PROGRAMS"):
+        monkeypatch.setenv(name, "")
     keep_programs()
     assert sorted(path.name for path in old.iterdir()) == ["a-cache", "b-cache"]
     assert os.environ["JAX_COMPILATION_CACHE_DIR"] == str(programs_folder())
@@ -133,6 +136,9 @@ def test_the_programs_that_were_used_longest_ago_go(tmp_path, monkeypatch):
 def test_a_user_who_decided_is_not_overruled(tmp_path, monkeypatch):
     monkeypatch.setattr(kept_programs, "cache_folder", lambda: tmp_path)
     monkeypatch.setenv("JAX_COMPILATION_CACHE_DIR", "mine")
+    monkeypatch.setenv("JAX_ENABLE_COMPILATION_CACHE", "true")
+    monkeypatch.setenv("LGMD2JAX_PROGRAMS", "")
     keep_programs()
     assert os.environ["JAX_COMPILATION_CACHE_DIR"] == "mine"
+    assert place_of_programs() == Path("mine")
     assert not list(tmp_path.iterdir())

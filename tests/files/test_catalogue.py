@@ -99,3 +99,14 @@ def test_an_installed_wheel_knows_the_catalogue(tmp_path):
     file, count = result.stdout.split()
     assert Path(file).is_relative_to(tmp_path / "site")
     assert int(count) == len(load_protocol("looming").conditions)
+
+
+def test_a_folder_of_result_folders_names_them(catalogue):
+    for animal in ("Mia", "Nox"):
+        Path("mine", animal).mkdir(parents=True)
+        Path("mine", animal, "model.json").touch()
+    with pytest.raises(FileNotFoundError, match=r"^mine holds no model.json; choose 'mine/Mia' or 'mine/Nox'$"):
+        locate("mine", "fits", "/model.json")
+    Path("empty").mkdir()
+    with pytest.raises(FileNotFoundError, match=r"^empty holds no model.json$"):
+        locate("empty", "fits", "/model.json")

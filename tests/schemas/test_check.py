@@ -6,7 +6,7 @@ import re
 import pytest
 from pydantic import TypeAdapter
 
-from lgmd2jax._schemas.check import check
+from lgmd2jax._schemas.check import check, check_kind
 from lgmd2jax._schemas.parts import Number, Positive, Text, Truth, Whole, by_key, inside, names, several, table
 
 _ONE = table("One", {"kind": (names(["one"]), ...), "level": several(Positive)})
@@ -89,3 +89,18 @@ def test_three_faults_are_told_and_the_others_counted():
     with pytest.raises(ValueError, match=r"; and 1 more$") as caught:
         check(SCHEMA, {"count": "a", "size": "b", "flag": "c", "word": 4})
     assert str(caught.value).count(": must be") == 3
+
+
+@pytest.mark.parametrize(
+    ("document", "wanted", "message"),
+    [
+        ({"eye": {}, "condition": []}, "recipe", "it is a protocol of stimuli, not a recipe; see lgmd2jax fit --help"),
+        ({"eye": {}, "clip": []}, "protocol", "it is a file of labelled clips, not a protocol"),
+        ({"protocol": "a"}, "labels", "it is a recipe, not a file of labelled clips; see lgmd2jax watch --help"),
+    ],
+)
+def test_a_document_of_another_kind_is_called_by_its_name(document, wanted, message):
+    with pytest.raises(ValueError, match=f"^{re.escape(message)}"):
+        check_kind(document, wanted)
+    check_kind({"eye": {}}, wanted)  # which any of them may have
+    check_kind({"protocol": "a", "condition": [], "clip": []}, wanted)  # a wrong key beside its own is told by `check`

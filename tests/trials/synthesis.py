@@ -183,14 +183,20 @@ def write_neo(path: pathlib.Path, made: list[Made]) -> None:
 
 
 def write_spike2(path: pathlib.Path, made: list[Made]) -> None:
-    """One animal: an export of two channels, spikes and marks with a text, in seconds; trials count from 1."""
-    lines = ['"INFORMATION"', '"' + made[0].animal + '.smr"', "", '"SUMMARY"', '"1"\t"Evt+"\t"DCMD"', ""]
-    lines += ['"CHANNEL"\t"1"', '"Evt+"', '"No comment"', '"DCMD"', ""]
-    marks = ["", '"CHANNEL"\t"2"', '"TextMark"', '"No comment"', '"collision"', ""]
+    """One animal: an export of a waveform, spikes and marks with a text, in seconds; trials count from 1.
+
+    Laid out as the comments of public readers show it, FieldTrip's among them.
+    """
+    lines = ['"INFORMATION"', '"' + made[0].animal + '.smr"', '""', '""', "", '"SUMMARY"']
+    lines += ['"1"\t"Waveform"\t"nerve"\t" volt"\t256\t255.754476\t1\t0', '"2"\t"Evt+"\t"DCMD"\t150\t""']
+    lines += ['"31"\t"TextMark"\t"collision"', "", '"CHANNEL"\t"1"', '"Waveform"', '"No comment"', '"nerve"', ""]
+    lines += ['" volt"\t256', '"START"\t0.00000\t0.00391', "-0.00565", "0.01022", '"GAP"\t7.50000\t0.00391', "-0.01175"]
+    lines += ["", '"CHANNEL"\t"2"', '"Evt+"', '"No comment"', '"DCMD"', ""]
+    marks = ["", '"CHANNEL"\t"31"', '"TextMark"', '"No comment"', '"collision"', ""]
     for trial, impact in zip(made, _impacts(made), strict=True):
         lines += [f"{impact + t / 1000:.6f}" for t in trial.spikes]
-        marks.append(f'{impact:.6f}\t0\t0\t0\t0\t"lv{trial.l_over_v:g}"')
-    path.write_text("\n".join([*lines, *marks]) + "\n", encoding="utf-8")
+        marks.append(f'{impact:.6f}\t"A???"\t65\t0\t0\t0\t"lv{trial.l_over_v:g}"')
+    path.write_text("\n".join([*lines, *marks]) + "\n", encoding="utf-8", newline="\r\n")
 
 
 def _impacts(made: list[Made]) -> list[float]:

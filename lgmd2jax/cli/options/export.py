@@ -21,9 +21,10 @@ With --python the folder needs Python and NumPy, and nothing of lgmd2jax. Whoeve
 it first, and refuses the file where the response is not the one that it states.
 
 With --c the folder holds lgmd2.h and lgmd2.c, which use no heap; there, `make test` runs the same test clip, and
-stm32f407/ is an example for a microcontroller. What is compared with a mean over the field (k, and T_ffi or A_ffi) goes
-as 1/(field area), and what is compared with a change in a frame goes with the time that a frame lasts. Then soft model
-and C are compared with the hard model on the films of a protocol, rendered for that eye, and on clips.
+stm32f407/ is an example for a microcontroller. The urgency goes with it where the eye is the model's own. What is
+compared with a mean over the field (k, and T_ffi or A_ffi) goes as 1/(field area), and what is compared with a change
+in a frame goes with the time that a frame lasts. Then soft model and C are compared with the hard model on the stimuli
+of a protocol, rendered for that eye, and on clips.
 """
 
 
@@ -61,5 +62,9 @@ def add(commands: argparse._SubParsersAction) -> None:
     )
     c.add_argument("--protocol", metavar="PROTOCOL", help="stimuli for the gap to the hard model (default: lgmd2)")
     c.add_argument(
-        "--clip", type=Path, action="append", metavar="CLIP", help="a clip on which it is too; may be given again"
+        "--clip",
+        type=Path,
+        action="append",
+        metavar="CLIP",
+        help="a clip on which it is measured too; may be given again",
     )

@@ -13,9 +13,9 @@ examples:
   lgmd2jax fit mine.toml --resume     go on where a fit was stopped or killed
   lgmd2jax fit mine.toml --mechanisms size shunt -o with-both
                                       the recipe's fit of a circuit with these mechanisms
-  lgmd2jax fit video                  alarms on labelled clips instead of curves: in time, else silence
+  lgmd2jax fit video                  alarms on labelled clips instead of curves: before a contact, else silence
   lgmd2jax fit video --clips my.toml  the same with labelled clips of your own beside the rendered ones; each source
-                                      of yours is also evaluated by a choice without it, beside plain detectors
+                                      of yours is also evaluated by a shorter search without it, beside plain detectors
   lgmd2jax fit video --clips my.toml --clips-weight 3
                                       yours together weigh three times what the rendered ones do
   lgmd2jax fit video --clips my.toml --clips-only

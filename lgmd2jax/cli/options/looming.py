@@ -23,7 +23,7 @@ def add(commands: argparse._SubParsersAction) -> None:
         "looming",
         help="the law of peak times of recorded trials: alpha, delta and the threshold angle",
         description="For each animal and for all: the line (collision - peak) = alpha l/|v| - delta, the threshold\n"
-        "angle 2 atan(1/alpha) and r2, with intervals by bootstrap over trials, and what fell out by which rule.",
+        "angle 2 atan(1/alpha) and r2, with intervals by bootstrap over trials, and what was left out by which rule.",
         epilog=_EXAMPLES,
     )
     add_trials(parser)

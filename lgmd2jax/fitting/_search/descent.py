@@ -11,6 +11,8 @@ import optimistix as optx
 from jaxtyping import Array, Float
 from typing_extensions import TypeAliasType
 
+from lgmd2jax._compute.traced_once import traced_once
+from lgmd2jax._types import strong
 from lgmd2jax.fitting._search.space import Space
 from lgmd2jax.fitting._solver.levenberg_marquardt import BoundedLevenbergMarquardt
 
@@ -41,8 +43,8 @@ def descend(
     stop: threading.Event | None = None,
 ) -> Descent:
     """Descend from `z` at one temperature; `stop` ends it after the next step."""
-    temperature_ = jnp.asarray(temperature, dtype=float)
-    y = _from_box(solver, jnp.asarray(z))
+    temperature_ = strong(temperature)
+    y = _from_box(solver, jax.device_put(z))
     state, losses, result = _begin(solver, space, temperature_, y), [], f"stopped after {max_steps} steps"
     for _ in range(max_steps):
         y, state, done, code, loss = _step(solver, space, temperature_, y, state)
@@ -50,7 +52,7 @@ def descend(
         if done or (stop is not None and stop.is_set()):
             result = _reason(code) if done else STOPPED
             break
-        if len(losses) > _PATIENCE and losses[-1 - _PATIENCE] - loss < _FALL * loss:
+        if len(losses) > _PATIENCE and losses[-1 - _PATIENCE] - losses[-1] < _FALL * losses[-1]:
             result = FLAT
             break
     return Descent(np.asarray(_to_box(solver, y)), losses, result)
@@ -90,14 +92,14 @@ def _from_box(solver: Solver, z: Float[Array, " free"]) -> Float[Array, " free"]
     return jnp.log(z / (1 - z))
 
 
-@eqx.filter_jit
+@traced_once
 def _begin(solver: Solver, space: Space, temperature: Float[Array, ""], y: Float[Array, " free"]):
     objective, args = _objective(solver), (space, temperature, solver)
     out, _ = eqx.filter_eval_shape(objective, y, args)
     return solver.init(objective, y, args, {}, out, None, frozenset())
 
 
-@eqx.filter_jit
+@traced_once
 def _step(solver: Solver, space: Space, temperature: Float[Array, ""], y: Float[Array, " free"], state):
     objective, args = _objective(solver), (space, temperature, solver)
     y, state, _ = solver.step(objective, y, args, {}, state, frozenset())

@@ -2,11 +2,11 @@
 
 from typing import NamedTuple
 
-import equinox as eqx
 import jax
 import numpy as np
 from jaxtyping import Array, Float
 
+from lgmd2jax._compute.traced_once import traced_once
 from lgmd2jax.fitting._poisson import bin_means
 from lgmd2jax.fitting._problem import Curves, Problem
 
@@ -20,7 +20,7 @@ class Sensitivity(NamedTuple):
     slopes: list[list[Float[Array, "_ _ free"]]]
 
 
-@eqx.filter_jit
+@traced_once
 def sensitivity_at(problem: Problem, z: Float[Array, " free"], temperature: Float[Array, ""] | None) -> Sensitivity:
     """All derivatives in one pass."""
 

@@ -3,12 +3,12 @@
 import itertools
 from collections.abc import Callable
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
+from lgmd2jax._compute.traced_once import traced_once
 from lgmd2jax.fitting._uncertainty.covariance import Uncertainty
 from lgmd2jax.fitting._uncertainty.profile import refit
 
@@ -60,7 +60,7 @@ def _bend(
     # Those that are not determined have no covariance with the others, and stay.
     moves = _AWAY * np.nan_to_num(u.covariance_z[indices]) / errors[indices, None]
     points = np.clip(z + np.concatenate([moves, -moves]), 0, 1)
-    chi2 = np.asarray(_chi2(residuals, jnp.asarray(np.vstack([z, points]))))
+    chi2 = np.asarray(_chi2(residuals, jax.device_put(np.vstack([z, points]))))
     rise = (chi2[1:] - chi2[0]) / u.variance - (points - z) @ u.gradient
     expected = np.einsum("pi,ij,pj->p", points - z, u.information, points - z)
     cut_short = expected < 1  # by a wall of the box: the move is too small to tell
@@ -77,7 +77,7 @@ def _follow(
 ) -> Bool[np.ndarray, " free"]:
     """Which parameters move with one that is loose, along its valley or into the next."""
     indices, places = zip((_NOTHING, 0.0), *itertools.product(loose, _PLACES), strict=True)
-    points, chi2 = _refits(residuals, jnp.asarray(z), jnp.asarray(indices), jnp.asarray(places))
+    points, chi2 = _refits(residuals, *map(jax.device_put, (z, np.asarray(indices), np.asarray(places))))
     points, chi2 = np.asarray(points), np.asarray(chi2)  # the first with nothing held
     rise = np.maximum((chi2[1:] - chi2[0]) / u.variance, 0)[:, None]
     # Of linear curves, no parameter moves by more than the root of the rise, in its standard errors.
@@ -85,12 +85,12 @@ def _follow(
     return (beyond & (rise < _AS_GOOD)).any(axis=0)
 
 
-@eqx.filter_jit
+@traced_once
 def _chi2(residuals: Residuals, points: Float[Array, "points free"]) -> Float[Array, " points"]:
     return jax.lax.map(lambda z: jnp.square(residuals(z)).sum(), points)
 
 
-@eqx.filter_jit
+@traced_once
 def _refits(
     residuals: Residuals, z: Float[Array, " free"], indices: Int[Array, " points"], places: Float[Array, " points"]
 ) -> tuple[Float[Array, "points free"], Float[Array, " points"]]:

@@ -4,13 +4,15 @@ import dataclasses
 from collections.abc import Callable, Mapping
 from typing import Any
 
-import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
 import optimistix as optx
 import scipy
 from jaxtyping import Array, Float
 
+from lgmd2jax._compute.traced_once import traced_once
+from lgmd2jax._types import strong
 from lgmd2jax.fitting._solver.levenberg_marquardt import BoundedLevenbergMarquardt
 from lgmd2jax.fitting._uncertainty.covariance import CONFIDENCE, Uncertainty
 
@@ -72,14 +74,14 @@ def profile_likelihood(
     **Arguments:** `residuals` by a point of the unit box, correlated ones already counted as fractions; `z` the best
     point; `step` the first distance tried, such as two standard errors; `value` maps to the parameter's own unit.
     """
-    minimum, best = refit(residuals, jnp.asarray(z), jnp.asarray(-1), jnp.asarray(0.0), max_steps)
-    start = float(minimum[index])
+    minimum, best = refit(residuals, jax.device_put(z), np.asarray(-1), strong(0.0), max_steps)
+    start = float(np.asarray(minimum)[index])
     rises, points = {start: 0.0}, {start: minimum}
 
     def rise(x: float) -> float:
         nearest = min(points, key=lambda other: abs(other - x))
-        points[x], chi2 = refit(residuals, points[nearest], jnp.asarray(index), jnp.asarray(x), max_steps)
-        rises[x] = float(chi2 - best) / variance
+        points[x], chi2 = refit(residuals, points[nearest], np.asarray(index), strong(x), max_steps)
+        rises[x] = (float(chi2) - float(best)) / variance
         return rises[x]
 
     ends = [_crossing(rise, start, sign, step, limit) for sign in (-1, 1)]
@@ -149,7 +151,7 @@ def _crossing(rise: Callable[[float], float], start: float, sign: int, step: flo
     return x
 
 
-@eqx.filter_jit
+@traced_once
 def refit(residuals, z, index, x, max_steps: int):
     """The best point with entry `index` held at x (with index -1 nothing is held), and chi2 there."""
     held = jnp.arange(len(z)) == index
