@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Collection, Mapping
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -54,7 +55,7 @@ def _checked(
     return jnp.asarray(value, dtype=float)
 
 
-def _is_number(value: object) -> bool:
+def _is_number(value: Any) -> bool:
     """Whether it is one number without a unit of its own, which numpy would drop; a traced one too."""
     if isinstance(value, bool):
         return False
