@@ -6,8 +6,9 @@ python -m benchmarks.startup --repeats 1
 
 Each start is a process of its own. A cold one has an empty folder of compiled programs, a warm one what the same
 command left there. Printed are medians: seconds of the clock and of the processor, which tell more where the machine
-is shared; how many programs XLA was asked for; and the seconds that went into tracing them in Python, which no cache
-saves, into lowering, and into compiling or reading. Tracing counts a function within a function twice.
+is shared; how many programs XLA was asked for; and the seconds that went into tracing them in Python, into lowering,
+and into compiling or reading. Tracing counts a function within a function twice. A warm start reads the library's own
+programs whole, with nothing of all this: what is left are small ones, of single operations.
 """
 
 import argparse

@@ -42,7 +42,7 @@ Side = Annotated[Whole, Ge(3), Le(MOST_PIXELS)]
 class Table(BaseModel):
     """A table of a document, which has no other keys than these fields."""
 
-    model_config = ConfigDict(extra="forbid", protected_namespaces=())
+    model_config = ConfigDict(extra="forbid", protected_namespaces=(), defer_build=True)
 
     @model_validator(mode="before")
     @classmethod
@@ -59,7 +59,7 @@ class Table(BaseModel):
 class OpenTable(BaseModel):
     """A table of a document, which may have other keys than these fields."""
 
-    model_config = ConfigDict(extra="allow", protected_namespaces=())
+    model_config = ConfigDict(extra="allow", protected_namespaces=(), defer_build=True)
 
 
 def table(name: str, fields: Mapping[str, Any], base: type[BaseModel] = Table) -> type[BaseModel]:
