@@ -91,17 +91,23 @@ value = "peak"
 """
 
 
+OPTIONS = {"csv": "csv", "json": "json", "png": "figure", "mp4": "overlay"}  # by which a file is asked for
+
+
 @dataclasses.dataclass(frozen=True)
 class Command:
     """A command whose results go to OUT, and the one that goes on with it.
 
-    `earlier`: what fills OUT with other results of the same kind, None where these would be refused.
+    `earlier`: what fills OUT with other results of the same kind, None where these would be refused. `stdin`: a file
+    for its standard input. `adds_to`: a folder whose model and fit lie in OUT/results before.
     """
 
     name: str
     arguments: tuple[str, ...]
     resume: tuple[str, ...] = ()
     earlier: tuple[str, ...] | None = None
+    stdin: Path | None = None
+    adds_to: Path | None = None
 
     def at(self, out: Path) -> tuple[str, ...]:
         """The arguments with results in this folder."""
@@ -149,6 +155,44 @@ def commands(place: Path) -> tuple[Command, ...]:
     )
 
 
+def further_commands(place: Path, runner: "Runner", log: Path) -> tuple[Command, ...]:
+    """All others that write files. The fits that some of them need are made first, after those of `commands`."""
+    write_clip(place / "loom.mkv", frames=120, size=(160, 120))
+    (place / "own.toml").write_text(CLIPS.split("[rendered]")[0] + '[[clip]]\nfile = "loom.mkv"\n', encoding="utf-8")
+    rows = "".join(
+        f"A,{trial},{speed},{-4 * speed - 20 + 3 * spike + trial}\n"
+        for speed in (20, 40, 80)
+        for trial in range(3)
+        for spike in range(-12, 12)
+    )
+    (place / "trials.csv").write_text("animal,trial,l_over_v_ms,spike_ms\n" + rows, encoding="utf-8")
+    for recipe in ("1/fit", "2/fit", "1/alarms"):
+        status, _ = runner.run(("fit", str(place / f"{recipe}.toml")), log)
+        if status:
+            raise RuntimeError(f"{recipe} ended with {status}: {log.read_text()[-500:]}")
+    fits, model = (str(place / "1/fit"), str(place / "2/fit")), str(place / "1/fit/model.json")
+
+    def files(name: str, *suffixes: str) -> list[str]:
+        return [word for suffix in suffixes for word in (f"--{OPTIONS[suffix]}", f"OUT/{name}.{suffix}")]
+
+    recipe, out = str(place / "1/alarms.toml"), ("-o", "OUT/results")
+    return (
+        Command("clips of one's own", ("fit", recipe, "--clips", str(place / "own.toml"), *out)),
+        Command("calibrate", ("calibrate", recipe, *out), adds_to=place / "1/alarms"),
+        Command("watch", ("watch", str(place / "clips.toml"), "--baselines", *files("w", "csv", "json", "png"))),
+        Command("predict", ("predict", fits[0], str(place / "protocol.toml"), "-o", "OUT/p.csv")),
+        Command("characterise", ("characterise", model, *files("c", "json", "png"))),
+        Command("compare", ("compare", *fits, *files("c", "json", "csv", "png"))),
+        Command("looming", ("looming", str(place / "trials.csv"), *files("l", "json", "png"))),
+        Command("import", ("import", str(place / "trials.csv"), *out)),
+        Command("arena", ("arena", "--seeds", "1", "--seconds", "1", *files("a", "json", "png"))),
+        Command("live", ("live", "-", *files("v", "csv", "mp4")), stdin=place / "loom.mkv"),
+        Command("stimuli", ("stimuli", str(place / "protocol.toml"), "--clips", "npz", *out)),
+        Command("export --c", ("export", model, "--c", "OUT/results")),
+        Command("export --ros", ("export", model, "--ros", "OUT/results")),
+    )
+
+
 def write_clip(path: Path, frames: int, size: tuple[int, int]) -> None:
     """A moving test picture of ffmpeg, as a video of this many frames at 30 a second. `size`: columns, rows."""
     import av
@@ -176,25 +220,27 @@ class Runner:
         names = ("fit", "fit_alarms", "sweep", "respond", "watch", "predict", "characterise", "stimuli", "export")
         self._context.set_forkserver_preload(["benchmarks._commands", *(f"lgmd2jax.cli.{name}" for name in names)])
 
-    def start(self, arguments: Sequence[str], log: Path):
-        """The process, begun. `log`: for what it prints."""
-        process = self._context.Process(target=_run, args=(tuple(arguments), log))
+    def start(self, arguments: Sequence[str], log: Path, stdin: Path | None = None):
+        """The process, begun. `log`: for what it prints; it is there as soon as the command has begun."""
+        log.unlink(missing_ok=True)
+        process = self._context.Process(target=_run, args=(tuple(arguments), log, stdin))
         process.start()
         return process
 
-    def run(self, arguments: Sequence[str], log: Path) -> tuple[int, float]:
+    def run(self, arguments: Sequence[str], log: Path, stdin: Path | None = None) -> tuple[int, float]:
         """The exit status and the seconds that it took."""
-        began, process = time.monotonic(), self.start(arguments, log)
+        began, process = time.monotonic(), self.start(arguments, log, stdin)
         process.join()
         return int(process.exitcode or 0), time.monotonic() - began
 
 
-def _run(arguments: tuple[str, ...], log: Path) -> None:
-    with open(log, "wb", buffering=0) as file:
-        os.dup2(file.fileno(), 1)
-        os.dup2(file.fileno(), 2)
+def _run(arguments: tuple[str, ...], log: Path, stdin: Path | None) -> None:
     from lgmd2jax.cli import main
 
     signal.signal(signal.SIGINT, signal.default_int_handler)  # which a job in the background ignores otherwise
     sys.argv = ["lgmd2jax", *arguments]
+    with open(log, "wb", buffering=0) as file, open(stdin or os.devnull, "rb", buffering=0) as fed:
+        os.dup2(fed.fileno(), 0)
+        os.dup2(file.fileno(), 1)
+        os.dup2(file.fileno(), 2)
     sys.exit(main())

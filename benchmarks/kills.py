@@ -10,18 +10,21 @@ end, and all of its files must be those of an undisturbed run: to the byte, but 
 """
 
 import argparse
+import contextlib
 import json
 import os
 import random
 import shutil
 import signal
 import tempfile
+import time
 import warnings
 from collections.abc import Mapping
 from pathlib import Path
 
 import av
 import xarray
+from av.error import FFmpegError
 from tqdm import tqdm
 
 import lgmd2jax as lgmd
@@ -44,7 +47,7 @@ def files_of(folder: Path) -> dict[str, bytes]:
             if path.name == "fit.json":
                 files[name] = json.dumps({**json.loads(files[name]), "made": None}).encode()
             if path.suffix == ".mp4":
-                with av.open(str(path)) as container:
+                with contextlib.suppress(FFmpegError), av.open(str(path)) as container:
                     files[name] = repr([frame.pts for frame in container.decode(video=0)]).encode()
     return files
 
@@ -98,11 +101,15 @@ class Study:
         else:
             folder.mkdir()
         process = self.runner.start(self.command.at(folder), self._log)
+        while process.is_alive() and not self._log.is_file():
+            time.sleep(0.001)
         process.join(share * self._seconds)
-        if process.pid is not None and process.is_alive():
-            os.kill(process.pid, kind)
+        pid = process.pid if process.is_alive() else None
+        if pid is not None:
+            os.kill(pid, kind)
         process.join()
-        what = f"{self.command.name:14} {kind.name:8} at {share:4.0%}, exit status {process.exitcode:4}"
+        pressed = kind.name if pid else "ended"
+        what = f"{self.command.name:14} {pressed:8} at {share:4.0%}, exit status {process.exitcode:4}"
         faults = []
         if process.exitcode not in (0, 130, -signal.SIGKILL):
             faults.append(f"exit status {process.exitcode}: {self._log.read_text()[-300:]!r}")

@@ -1,14 +1,20 @@
-"""Ctrl-C while modules load and nothing is begun: the process ends at once, in one line.
+"""What Ctrl-C does: while modules load it ends the process, in one line; later it is an exception that is not lost.
 
-An exception would be a traceback there, and extension modules crash on one amid their set-up, or swallow it.
+While modules load an exception would be a traceback, and extension modules crash on one amid their set-up, or swallow
+it. Python drops one that is raised in a callback of the garbage collector, and JAX has such a callback.
 """
 
+import _thread
 import contextlib
+import gc
 import os
 import signal
+import threading
 from collections.abc import Iterator
+from types import FrameType
 
 STOPPED = "stopped; nothing was written"
+_LATER = 0.01  # s, when a collection of garbage is over
 
 
 def end_on_ctrl_c() -> None:
@@ -19,13 +25,36 @@ def end_on_ctrl_c() -> None:
 
 @contextlib.contextmanager
 def ended_by_ctrl_c() -> Iterator[None]:
-    """Within the block; afterwards Ctrl-C is an exception again."""
+    """Within the block; afterwards Ctrl-C does what it does by default."""
     end_on_ctrl_c()
     try:
         yield
     finally:
         if signal.getsignal(signal.SIGINT) is _end:
             signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+@contextlib.contextmanager
+def interrupted_by_ctrl_c() -> Iterator[None]:
+    """Within the block Ctrl-C is a `KeyboardInterrupt`, raised where it reaches whoever waits for it."""
+    if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
+        yield
+        return
+    signal.signal(signal.SIGINT, _interrupt)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def _interrupt(_: int, frame: FrameType | None) -> None:
+    callbacks = {getattr(callback, "__code__", None) for callback in gc.callbacks}
+    while frame is not None:
+        if frame.f_code in callbacks:
+            threading.Timer(_LATER, _thread.interrupt_main).start()
+            return
+        frame = frame.f_back
+    raise KeyboardInterrupt
 
 
 def _end(*_: object) -> None:

@@ -59,6 +59,8 @@ MECHANISMS = {
 }
 EYE = ("rows", "cols", "degrees_per_pixel", "fps", "projection")
 MOST_FRAMES = 10000  # of persistence or of a window; more would only fill the memory
+BRIGHTEST = 300  # above it are frames of more than 8 bits; noise reaches a little beyond 255
+SECONDS = 1e-4, 0.2  # between them an interval is hardly one in ms; below is none at all
 REFERENCE_MS = 1000 / 30  # of change per time: MP and F are those of a frame that lasts so long
 TEST_VECTOR = ("fps", "tolerance", "frames", "response")
 CHANNELS = ("mp", "ffi", "smp", "smp_adapted", "spikes", "collision")
@@ -167,18 +169,23 @@ class HardLGMD2:
         if isinstance(frame, np.ma.MaskedArray):
             raise ValueError("frame is masked; fill what is masked with a grey level first: frame.filled(128)")
         try:
-            frame = np.array(
-                frame, dtype=float
-            )  # before any difference: uint8 3 - 5 is 254; a copy: buffers are refilled
+            given = np.asarray(frame)
+            # Before any difference, since uint8 3 - 5 is 254; a copy, since buffers are refilled.
+            frame = np.array(given if given.dtype.kind in "biufO" else None, dtype=float)
         except (TypeError, ValueError, OverflowError):
             raise ValueError(f"frame is a {type(frame).__name__}; give an array of grey levels (row, col)") from None
         self._check_frame(frame)
+        _warn_of_levels(frame)
         if interval is None:
             if self.fps is None:
                 raise ValueError("the model has no frame rate; give the interval since the last frame in ms")
             interval = 1000 / self.fps
         if not _is_positive(interval):
             raise ValueError(f"interval is {interval!r}; give a positive number of ms")
+        if SECONDS[0] < interval < SECONDS[1]:
+            warnings.warn(
+                f"interval is {interval:.4g} ms; was {1000 * interval:.4g} ms meant, given in s?", stacklevel=2
+            )
         if self._luminance is None:
             self._start(frame)
         s, f = self._pixels(frame, interval)
@@ -535,6 +542,18 @@ def _flat(nested):
 def _check_rate(fps):
     if fps is not None and not _is_positive(fps):
         raise ValueError(f"fps is {fps!r}; give a positive number of frames per second")
+    if fps is not None and fps < 1:
+        warnings.warn(f"fps is {fps:.4g}; were {1 / fps:.4g} meant, given as an interval in s?", stacklevel=3)
+
+
+def _warn_of_levels(frame):
+    highest = frame.max()
+    if highest > BRIGHTEST:
+        warnings.warn(
+            f"a frame reaches {highest:g}; grey levels lie in 0..255: multiply by 255 over what is white", stacklevel=3
+        )
+    elif 0 < highest <= 1 and frame.min() < highest:
+        warnings.warn("a frame lies in 0..1; were grey levels in 0..255 meant? Multiply by 255", stacklevel=3)
 
 
 def _is_positive(value):

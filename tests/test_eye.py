@@ -75,6 +75,13 @@ def test_eyes_are_equal_by_value_and_can_key_a_cache():
     assert len({EQUIDISTANT, PINHOLE, dataclasses.replace(PINHOLE, projection="equidistant")}) == 2
 
 
+@pytest.mark.usefixtures("untyped")
+def test_sizes_may_be_numbers_of_numpy():
+    eye = Eye(np.int64(40), np.uint16(60), 1.5, 100.0)  # pyright: ignore[reportArgumentType]
+    assert eye == EQUIDISTANT
+    assert type(eye.rows) is int
+
+
 BAD = {
     "rows": (lambda: Eye(2, 60, 1.0, 100.0), "rows is 2"),
     "fps": (lambda: Eye(40, 60, 1.0, 0.0), "fps is 0.0"),

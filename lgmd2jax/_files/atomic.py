@@ -18,7 +18,8 @@ def replaced(path: str | os.PathLike) -> Iterator[Path]:
     The temporary file stands in the same folder, with the same suffix (writers choose a format by it), and is made at
     once, so that a folder that cannot be written to is known before the work starts.
 
-    **Raises:** `ValueError` when `path` cannot become a file: its folder does not exist or refuses, or it is no file.
+    **Raises:** `ValueError` when `path` cannot become a file: its folder does not exist or refuses, or it is no file;
+    `OSError`, which names the folder, for a disk that is full.
     """
     path = Path(path)
     if not path.parent.is_dir():
@@ -31,10 +32,22 @@ def replaced(path: str | os.PathLike) -> Iterator[Path]:
     except OSError as error:
         raise ValueError(f"cannot write {path}: {error.strerror}") from error
     try:
-        yield temporary
+        with naming(path.absolute().parent):
+            yield temporary
         os.replace(temporary, path)
     finally:
         temporary.unlink(missing_ok=True)
+
+
+@contextlib.contextmanager
+def naming(folder: Path) -> Iterator[None]:
+    """Name the folder in an error of the system about what is written there, which knows no name."""
+    try:
+        yield
+    except OSError as error:
+        if error.errno is None or error.filename is not None:
+            raise
+        raise type(error)(error.errno, error.strerror, str(folder)) from error
 
 
 @contextlib.contextmanager

@@ -8,6 +8,7 @@ import sys
 from collections.abc import Collection, Iterator
 from pathlib import Path
 
+from lgmd2jax._files.atomic import naming
 from lgmd2jax._files.temporary import is_temporary, temporary_beside
 
 
@@ -19,7 +20,7 @@ def replaced_folder(folder: Path, marker: str, own: Collection[str]) -> Iterator
 
     **Arguments:** `marker`: the file by which a folder of results is known. `own`: the files that results consist of.
 
-    **Raises:** `ValueError` as `check_folder`.
+    **Raises:** `ValueError` as `check_folder`; `OSError`, which names the folder, for a disk that is full.
     """
     check_folder(folder, marker)
     temporary = temporary_beside(folder.absolute())
@@ -28,7 +29,8 @@ def replaced_folder(folder: Path, marker: str, own: Collection[str]) -> Iterator
     except OSError as error:
         raise ValueError(f"cannot write {folder}: {error.strerror}") from error
     try:
-        yield temporary
+        with naming(folder):
+            yield temporary
         if folder.exists():
             for other in folder.iterdir():
                 if other.name not in own and not is_temporary(other):

@@ -26,6 +26,9 @@ from lgmd2jax._types import Number, cast, is_concrete, unless_nan
 
 Neuron = Literal["LGMD2", "LGMD1"]
 
+_BRIGHTEST = 300  # above it are frames of more than 8 bits; noise reaches a little beyond 255
+_SECONDS = 1e-4, 0.2  # between them an interval is hardly one in ms; below is none at all
+
 
 class State(eqx.Module):
     """All that a network keeps from one frame to the next. `shape`: (row, col) of its frames."""
@@ -168,8 +171,8 @@ class AbstractNetwork(eqx.Module):
         if len(frames) < 2:
             count = "one frame" if len(frames) else "0 frames"
             raise ValueError(f"frames holds {count}; the network sees changes, so give at least 2")
-        if is_concrete(frames) and 0 < np.ptp(levels := np.asarray(frames)) <= levels.max() <= 1:
-            warnings.warn("frames lie in 0..1; were grey levels in 0..255 meant? Multiply by 255", stacklevel=2)
+        if is_concrete(frames):
+            _warn_of_levels(np.asarray(frames))
         lasts = self._interval(fps, interval, (len(frames),))
         check_domains(self.parameters)
         self._check_conflicts()
@@ -238,12 +241,17 @@ class AbstractNetwork(eqx.Module):
         if interval is not None:
             if fps is not None:
                 raise ValueError("fps and interval are both given; give the one that is known")
-            return _positive(interval, "interval", "ms", shape)
+            interval = _positive(interval, "interval", "ms", shape)
+            if is_concrete(interval) and _SECONDS[0] < (usual := float(np.median(interval))) < _SECONDS[1]:
+                warnings.warn(f"interval is {usual:.4g} ms; was {1000 * usual:.4g} ms meant, given in s?", stacklevel=3)
+            return interval
         if fps is None:
             if self.eye is None:
                 raise ValueError("fps is missing; give it, or a model with an eye")
             fps = self.eye.fps
         interval = 1000 / _positive(fps, "fps", "frames per second", ())
+        if is_concrete(fps) and fps < 1:
+            warnings.warn(f"fps is {fps:.4g}; were {1 / fps:.4g} meant, given as an interval in s?", stacklevel=3)
         if self.eye is not None and is_concrete(fps) and abs(fps / self.eye.fps - 1) > 0.01:
             warnings.warn(f"the parameters belong to {self.eye.fps:g} frames per second, not {fps:g}", stacklevel=3)
         return interval
@@ -338,10 +346,23 @@ def _as_pixels(frames, dtype, name: str, shape: str, rank: int) -> Array:
     return frames
 
 
+def _warn_of_levels(frames: np.ndarray) -> None:
+    """Warn of frames that are hardly meant in grey levels 0..255."""
+    highest = frames.max()
+    if 0 < np.ptp(frames) <= highest <= 1:
+        warnings.warn("frames lie in 0..1; were grey levels in 0..255 meant? Multiply by 255", stacklevel=3)
+    elif _BRIGHTEST < highest < np.inf:
+        warnings.warn(
+            f"frames reach {highest:g}; grey levels lie in 0..255: multiply by 255 over what is white", stacklevel=3
+        )
+
+
 def _positive(value, name: str, unit: str, shape: tuple[int, ...]) -> Array:
     """A strong array, so that another value does not compile again; checked where it is concrete."""
     of = f"{shape[0]} positive numbers" if shape else "a positive number"
-    if isinstance(value, str) or np.shape(value) != shape:
+    of_units = any(hasattr(each, "units") for each in (value if isinstance(value, (list, tuple)) else [value]))
+    other = of_units or np.shape(value) != shape  # numpy would drop a unit
+    if other or (not isinstance(value, jax.Array) and np.asarray(value).dtype.kind not in "iuf"):
         raise ValueError(f"{name} is {value!r:.60}; give {of} of {unit}")
     if is_concrete(value) and not np.all((np.asarray(value) > 0) & np.isfinite(value)):
         raise ValueError(f"{name} is {value!r:.60}; give {of} of {unit}")

@@ -33,8 +33,8 @@ def compare(
     **Arguments:**
 
     - `fits`: a `Fit`, the folder of its results or the fit.json in it, or the name of a shipped one, each; by the names
-      that they are to have, or in a row, where a folder gives its own name. What a fit says of conditions that were
-      left out stands in its folder alone.
+      that they are to have, or in a row, where a folder gives its own name, or its path where two share that. What a
+      fit says of conditions that were left out stands in its folder alone.
     - `properties`: also count which of the 22 response properties each model holds, which takes a minute.
     - `progress`: show a bar over models while these are counted.
 
@@ -57,9 +57,10 @@ def _named(fits: Sequence[AnyFit]) -> dict[str, AnyFit]:
     if isinstance(fits, str | Path | Fit):
         raise ValueError(f"fits is {str(fits)!r:.60}; give a list of two or more")
     names = [f"fit {i}" if isinstance(fit, Fit) else fit_folder(fit).name for i, fit in enumerate(fits, start=1)]
+    names = [name if names.count(name) == 1 else str(fit) for name, fit in zip(names, fits, strict=True)]
     for name, count in Counter(names).items():
         if count > 1:
-            raise ValueError(f"{count} fits are named {name!r}; give a mapping with a name for each")
+            raise ValueError(f"{name} is given {count} times; give each fit once")
     return dict(zip(names, fits, strict=True))
 
 

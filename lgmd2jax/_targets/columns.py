@@ -1,5 +1,6 @@
 """The columns of a CSV file by name: its separator, its decimal sign, which column is the time, and in which unit."""
 
+import codecs
 import contextlib
 import csv
 import dataclasses
@@ -9,6 +10,7 @@ import os
 import re
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping
+from pathlib import Path
 
 import numpy as np
 
@@ -18,8 +20,10 @@ from lgmd2jax._words import nearest
 Where = Mapping[str, str | float | int]
 
 _SEPARATORS = (",", ";", "\t", "|")
+_LONGEST = 40  # characters of a cell in a message
 _LOOKED_AT = 200  # rows by which the separator is found
 _TIMES = {"t", "time", "times", "timestamp", "timestamps"}
+_OTHER_CLOCKS = {"h", "hr", "hrs", "hours", "days", "frame", "frames", "sample", "samples", "bin", "bins", "ticks"}
 _TIMES_ALONE = {"ms", "msec", "milliseconds", "s", "sec", "seconds"}  # a column "min" may hold a minimum
 
 
@@ -86,7 +90,9 @@ class Columns:
             cure = "leave such rows out"
             if self.decimal == "." and re.fullmatch(r"[-+]?\d*,\d+(e[-+]?\d+)?", text, re.IGNORECASE):
                 cure = "give decimal = ',' if that is its decimal sign"
-            raise ValueError(f"column {name!r} holds {text!r} in row {row}, which is no finite number; {cure}")
+            raise ValueError(
+                f"column {name!r} holds {text[:_LONGEST]!r} in row {row}, which is no finite number; {cure}"
+            )
         return value
 
     def time(self, name: str | None, unit: str | None, others: Collection[str]) -> tuple[str, float]:
@@ -109,6 +115,10 @@ class Columns:
                 raise ValueError(f"{what} named like a time; name it by time = '...', one of {held}")
             name = names[0]
         own = _unit_of(name)
+        if unit is None and own in (None, "time") and (other := _no_unit_of_time(name)):
+            raise ValueError(
+                f"column {name!r} counts in {other!r}, which is no unit of time here; convert it, or give time_unit"
+            )
         if unit is None:
             return name, size_of(own or "ms", "ms") or 1.0
         size = size_of(unit, "ms")
@@ -153,11 +163,10 @@ def read_columns(path: str | os.PathLike, separator: str | None = None, decimal:
     if separator is not None and (len(separator) != 1 or separator == decimal):
         raise ValueError(f"separator is {separator!r} and decimal {decimal!r}; give one character each, not the same")
     try:
-        with open(path, newline="", encoding="utf-8-sig") as file:
-            text = file.read()
+        text = _decoded(Path(path).read_bytes())
         separator = separator or _separator(text, decimal)
         header, *rows = list(_cells(text, separator)) or [[]]
-    except (csv.Error, UnicodeDecodeError) as error:
+    except csv.Error as error:
         raise ValueError(f"not a CSV file: {error}") from error
     if not rows:
         raise ValueError("no rows; give a header and a row for each time")
@@ -169,6 +178,20 @@ def read_columns(path: str | os.PathLike, separator: str | None = None, decimal:
             )
     numbers = tuple(range(1, len(rows) + 1))
     return Columns(tuple(header), tuple(map(tuple, rows)), numbers, separator, decimal)
+
+
+def _decoded(content: bytes) -> str:
+    """The text: UTF-8, or UTF-16 where it begins as such, as Excel's "Unicode text" does.
+
+    **Raises:** `ValueError` for another encoding.
+    """
+    encoding = "utf-16" if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)) else "utf-8-sig"
+    try:
+        return content.decode(encoding)
+    except UnicodeDecodeError as error:
+        raise ValueError(
+            f"not a CSV file in UTF-8: byte {error.start} is {content[error.start]:#x}; save it as UTF-8"
+        ) from error
 
 
 def _cells(text: str, separator: str) -> Iterator[list[str]]:
@@ -198,6 +221,13 @@ def _separator(text: str, decimal: str) -> str:
         raise ValueError(f"cells could be separated by {' or '.join(map(repr, even))}; give the separator")
     uneven = [separator for separator in counts if separator != " " and max(counts[separator], default=0) > 1]
     return (even or uneven or [","])[0]
+
+
+def _no_unit_of_time(name: str) -> str | None:
+    """What the name of a column without a unit of time counts in instead, as far as it tells."""
+    inside = re.search(r"[(\[]\s*([^)\]]*?)\s*[)\]]\s*$", name)
+    last = re.split(r"[\W_]+", name.rstrip(")] "))[-1].lower()
+    return inside[1] if inside else last if last in _OTHER_CLOCKS else None
 
 
 def _unit_of(name: str) -> str | None:

@@ -1,6 +1,7 @@
 """Recorded curves and spike times, read from CSV files with a header."""
 
 import os
+import re
 import warnings
 from collections.abc import Collection, Mapping, Sequence
 
@@ -12,6 +13,9 @@ from lgmd2jax._targets.spike_trains import Likelihood, SpikeTrains
 from lgmd2jax._targets.target import Target
 from lgmd2jax._targets.units import size_of
 
+_IN_BRACKETS = re.compile(r"[(\[]\s*([^()\[\]]+?)\s*[)\]]\s*$")
+_LIKE_A_UNIT = re.compile(r"/|%|hz|\bm?v\b|volt|\bbins?\b|\bm?s\b", re.IGNORECASE)
+_SMP = -5.0, 5.0  # farther than noise takes a potential of 0.5 to 1, nearer than percent and mV
 _POOLED = 4  # trials for which the variance counts that all times share
 
 
@@ -38,7 +42,8 @@ def read_target(
     - `sem`: the column of the standard errors, where there is one.
     - `time`: the column of the times, by default the one named like a time, such as `time_ms`, `t` or `Time (s)`.
     - `time_unit`: `"ms"`, `"s"`, `"us"` or `"min"`; by default the one in the name of the column, else ms.
-    - `unit`: of rates, `"spikes/s"` by default, or `"spikes/ms"` or `"kHz"`.
+    - `unit`: of rates, by default the one in brackets in the name of the column, else `"spikes/s"`; or `"spikes/ms"` or
+      `"kHz"`.
     - `where`: takes only rows in which columns hold these values, as `{"l_over_v": 20}`.
     - `separator`: of the cells, by default the one that divides all rows alike; `decimal`: the sign in numbers.
 
@@ -49,15 +54,14 @@ def read_target(
     try:
         if not names:
             raise ValueError("column is an empty list; name at least one")
-        factor = 1.0 if unit is None else size_of(unit, "Hz" if channel == "rate" else "1")
-        if factor is None:
-            raise ValueError(f"unit is {unit!r}, which is none of the channel {channel!r}")
+        factors = [_factor(name, unit, channel) for name in [*names, *([sem] if sem else [])]]
         table = read_columns(path, separator, decimal).where(where)
         clock, ms = table.time(time, time_unit, [*names, *(where or ()), *([sem] if sem else [])])
         times = ms * table.numbers(clock)
         _check_one_curve(table, times, [clock, *names, *(where or ()), *([sem] if sem else [])])
-        trials = factor * np.stack([table.numbers(name) for name in names])
-        errors, rule = None if sem is None else factor * table.numbers(sem), ""
+        trials = np.stack([factor * table.numbers(name) for name, factor in zip(names, factors, strict=False)])
+        _warn_of_values(path, channel, trials)
+        errors, rule = None if sem is None else factors[-1] * table.numbers(sem), ""
         if sem is None and len(trials) > 1:
             errors, rule = _standard_error(trials)
         return Target(channel, trials.mean(axis=0), time=times, sem=errors, interpolate=interpolate, sem_rule=rule)
@@ -114,6 +118,39 @@ def read_spike_trains(
         return SpikeTrains([list(trials.values()) for trials in trains.values()], kernel_ms, likelihood, list(trains))
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from error
+
+
+def _factor(column: str, unit: str | None, channel: Channel) -> float:
+    """What a value of a column is multiplied by, for its unit: the one given, or that in brackets in its name."""
+    own = _IN_BRACKETS.search(column)
+    kind = "Hz" if channel == "rate" else "1"
+    factor = 1.0 if unit is None else size_of(unit, kind)
+    if factor is None:
+        raise ValueError(f"unit is {unit!r}, which is none of the channel {channel!r}")
+    if own is None:
+        return factor
+    named = size_of(own[1], kind)
+    if unit is None and named is None and not _LIKE_A_UNIT.search(own[1]):
+        return factor
+    if unit is None and named is None:
+        raise ValueError(
+            f"column {column!r} has the unit {own[1]!r}, which is none of the channel {channel!r}; convert it, or give "
+            "its true unit"
+        )
+    if unit is not None and named not in (None, factor):
+        raise ValueError(f"unit is {unit!r}, but the column is named {column!r}; mend one of them")
+    return factor if named is None else named
+
+
+def _warn_of_values(path: str | os.PathLike, channel: Channel, values: np.ndarray) -> None:
+    """Warn of a potential that is none of 0.5 to 1, by far."""
+    low, high = float(values.min()), float(values.max())
+    if channel.startswith("smp") and not (_SMP[0] <= low and high <= _SMP[1]):
+        warnings.warn(
+            f"{path}: the values of {channel!r} reach from {low:g} to {high:g}, and the potential lies in 0.5 to 1; "
+            "convert percent or mV first",
+            stacklevel=4,
+        )
 
 
 def _spikes(table: Columns, name: str, ms: float) -> list[float]:

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 from lgmd2jax._targets.columns import Columns
 from lgmd2jax._targets.units import size_of
-from lgmd2jax._trials.header import CONDITIONS, UNIT_IN_BRACKETS, label_in, milliseconds, role_of, split
+from lgmd2jax._trials.header import CONDITIONS, UNIT_IN_BRACKETS, label_in, milliseconds, role_of, speeds_in_ms, split
 from lgmd2jax._trials.reading import Draft, Reading
 
 _PADDING = ("", "nan")  # of columns that are shorter than others
@@ -26,17 +26,19 @@ def drafts_of_columns(table: Columns, reading: Reading, animal: str) -> list[Dra
         raise ValueError(
             f"there is one column, {table.header[0]!r}, separated by {table.separator!r}; give another separator"
         )
+    for name in ("event", "l_over_v"):
+        if isinstance(given := getattr(reading, name), str):
+            raise ValueError(f"{name} is {given!r}, but each column is a trial; give its value")
     lines = [table.header, *table.rows]
     above = list(itertools.takewhile(lambda cells: role_of(cells[0]), lines))
     if above:
         names = [role_of(cells[0]) for cells in above]
         labels = [dict(zip(names, cells, strict=True)) for cells in zip(*(cells[1:] for cells in above), strict=True)]
-        speed = next((cells[0] for cells in above if role_of(cells[0]) == "l_over_v"), "")
-        factor = size_of(split(speed)[1] or "ms", "ms") or 1.0
+        speed = next((cells[0] for cells in above if role_of(cells[0]) == "l_over_v"), "l_over_v")
         rows, first, unit = table.rows[len(above) - 1 :], 1, _unit_of_labels(lines[len(above) :])
     else:
         labels = [label_in(name) for name in table.header]
-        factor, rows, first, unit = 1.0, table.rows, 0, _unit_of_names(table.header)
+        speed, rows, first, unit = "l_over_v", table.rows, 0, _unit_of_names(table.header)
     drafts = []
     numbers = table.row_numbers[len(table.row_numbers) - len(rows) :]
     for place, label in enumerate(labels, start=first):
@@ -48,7 +50,7 @@ def drafts_of_columns(table: Columns, reading: Reading, animal: str) -> list[Dra
         if reading.l_over_v is not None:
             condition["l_over_v"] = float(reading.l_over_v)
         elif "l_over_v" in label:
-            condition["l_over_v"] = round(factor * table.number(label["l_over_v"], name, 0), 9)
+            condition["l_over_v"] = speeds_in_ms(speed, [table.number(label["l_over_v"], name, 0)])[0]
         if "trial" not in label:
             raise ValueError(f"{name!r} tells no trial; {_CURE}")
         who = reading.animal or label.get("animal") or animal

@@ -1,7 +1,6 @@
 """The law of peak times from recorded trials: t_c - t_peak = alpha l/|v| - delta, with intervals by bootstrap."""
 
 import dataclasses
-import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -97,10 +96,10 @@ def estimate(trials: Sequence[Trial], kernel_ms: float | None, resamples: int, s
 
     **Raises:** `ValueError` for what the settings cannot be, and where no animal is left.
     """
-    if kernel_ms is not None and not (math.isfinite(kernel_ms) and kernel_ms > 0):
-        raise ValueError(f"kernel_ms is {kernel_ms}; give a positive number, or None for a kernel that l/|v| sets")
     if resamples < 2:
         raise ValueError(f"resamples is {resamples}; give at least 2")
+    if seed < 0:
+        raise ValueError(f"seed is {seed}; give 0 or more")
     passed, excluded = judged(trials, kernel_ms)
     if not passed:
         raise ValueError("no animal has a line of peak times; " + "; ".join(map(str, excluded)))

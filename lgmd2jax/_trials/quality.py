@@ -16,6 +16,7 @@ _TIMES_BASE, _ABOVE = 2.0, 20.0  # the peak must exceed so many times the base a
 _EARLIEST, _MARGIN_MS, _LATEST_MS = 10.0, 50.0, 200.0  # of a peak: in l/|v| and ms before collision, in ms after
 _EDGE = 0.2  # of a trial, at either end, where the base is measured
 _BIN_MS = 1.0
+_KERNELS_MS = 1.0, 1000.0  # s.d. of a Gaussian that may be asked for
 KERNEL_MS = 20.0  # of the Gaussian of the rates that are judged
 _SHARE, _NARROWEST_MS = 1.4, 12.0  # s.d. of the Gaussian within the kernel of peak times: of l/|v|, and at least
 
@@ -95,6 +96,7 @@ _Passed = list[tuple[Rates, list[Trial]]]
 
 def _by_rule(trials: Sequence[Trial], kernel_ms: float | None) -> tuple[_Passed, _Passed, list[Excluded]]:
     """What passes, of animals with two l/|v| or more and of those with one, and what does not."""
+    _check_kernel(kernel_ms)
     excluded, left = [], []
     sessions = list(_groups(trials, lambda trial: (trial.animal, trial.session)))
     for animal in dict.fromkeys(animal for (animal, _), _ in sessions):
@@ -119,6 +121,16 @@ def _by_rule(trials: Sequence[Trial], kernel_ms: float | None) -> tuple[_Passed,
     for rates, _ in others:
         excluded.append(Excluded(rates.animal, f"one l/|v| is left, {rates.l_over_v:g} ms; a line needs two"))
     return with_line, others, excluded
+
+
+def _check_kernel(kernel_ms: float | None) -> None:
+    """Refuse a kernel that blurs no rate, such as one in seconds, or every one."""
+    low, high = _KERNELS_MS
+    if kernel_ms is not None and not low <= kernel_ms <= high:
+        raise ValueError(
+            f"kernel_ms is {kernel_ms:g}; give the s.d. of a Gaussian in ms, {low:g} to {high:g}, as 20, or None for a "
+            "kernel that l/|v| sets"
+        )
 
 
 def l_over_v(trial: Trial) -> float:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from lgmd2jax._trials.header import speeds_in_ms
 from lgmd2jax._trials.trial import Condition, Trial
 from lgmd2jax._trials.trials import Trials
 
@@ -45,7 +46,12 @@ class Reading:
 
     def __post_init__(self):
         for name in ("l_over_v", "event"):
-            object.__setattr__(self, name, _number_or_name(getattr(self, name)))
+            value = _number_or_name(getattr(self, name))
+            if isinstance(value, float) and not math.isfinite(value):
+                raise ValueError(f"{name} is {value}; give a finite number, or the name of a column")
+            object.__setattr__(self, name, value)
+        if isinstance(self.l_over_v, float):
+            speeds_in_ms("l_over_v", [self.l_over_v])
         if self.window is not None and not (
             len(self.window) == 2 and all(map(math.isfinite, self.window)) and self.window[0] < self.window[1]
         ):
@@ -108,7 +114,7 @@ def _check_times(drafts: Sequence[Draft], spikes: np.ndarray) -> None:
         raise ValueError(
             f"{where}, as if seconds were taken for ms; give time_unit = 's' (--time-unit s), or mend the header"
         )
-    if high - low > _LONGEST_MS:
+    if max(high - low, -low, high) > _LONGEST_MS:
         raise ValueError(
             f"{where}, as if ms were taken for seconds, or as on a session's clock; mend time_unit (--time-unit), or "
             "name the column of the collision by event (--event)"

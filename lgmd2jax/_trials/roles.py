@@ -1,8 +1,7 @@
 """The columns of a table of trials or spikes by what they tell, and how a row of it becomes the label of a trial."""
 
 import dataclasses
-import functools
-import math
+import re
 from collections.abc import Collection, Mapping
 
 from lgmd2jax._targets.columns import Columns
@@ -10,6 +9,7 @@ from lgmd2jax._trials.header import CONDITIONS, column_of, milliseconds, speeds_
 from lgmd2jax._trials.reading import Reading
 from lgmd2jax._trials.trial import Condition
 
+_WHOLE = re.compile(r"^([-+]?\d+)\.0*$")
 KEYS = ("animal", "session", "trial")  # by which trials are told apart, besides their condition
 
 
@@ -111,14 +111,9 @@ def roles_of(table: Columns, reading: Reading, animal: str) -> Roles:
     return Roles(table, columns, fixed, event, tuple(dict.fromkeys([*known, *chosen])), reading.time_unit)
 
 
-@functools.cache
 def plain_label(cell: str) -> str:
-    """A label, of which numbers are written alike: `3.0` of one program is `3` of another."""
-    try:
-        value = float(cell)
-    except ValueError:
-        return cell
-    return f"{value:.0f}" if math.isfinite(value) and value == int(value) else cell
+    """A label as all programs write it: `3.0` of one is `3` of another, `nan` is none. `01`, `1e3`, `1_0` are names."""
+    return "" if cell.lower() == "nan" else _WHOLE.sub(r"\1", cell)
 
 
 def value_of(cell: str) -> float | str:

@@ -220,6 +220,8 @@ def open_clip(
     shape = shape_after(name, size, window, resize, aspect)
     pixels.grey(window, shape)  # a white level that does not fit shows here
     remarks = [*pictures.remarks, *pixels.remarks]
+    if fps is not None and rate < 1:
+        remarks.append(f"fps is {rate:.4g}; were {1 / rate:.4g} frames per second meant, given as an interval in s?")
     if aspect != 1:
         done = "are taken for square; resize would make them so" if resize is None else "are made square"
         remarks.append(f"its pixels are {aspect:.3g} times as wide as high, and {done}")

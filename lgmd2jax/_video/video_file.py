@@ -158,6 +158,6 @@ def _usual_rate(container, stream) -> float | None:
     intervals = np.diff(sorted(stamps)) * float(stream.time_base)
     if len(intervals) < 2:
         return None
-    usual = np.median(intervals)
+    usual = np.sort(intervals)[(len(intervals) - 1) // 2]  # one that there is: none may lie near a mean of two
     # Containers round to a millisecond.
     return 1 / float(intervals[abs(intervals - usual) <= max(0.001, 0.02 * usual)].mean())

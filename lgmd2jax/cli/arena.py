@@ -11,14 +11,15 @@ from lgmd2jax.arena import Outcome, detectors, run as drive_robots
 from lgmd2jax.cli.all_cores import use_all_cores
 
 _DRAWN = 4  # arenas of a figure, as in the paper
+_MOST = 10_000  # arenas, which are driven at once
 _LONGEST = 3600  # seconds of a trip
 _ROW = "{:12}{:>26}{:>26}{:>26}{:>24}"
 
 
 def run(options: argparse.Namespace) -> None:
     """Drive the robots, write what was asked for, and print the table."""
-    if options.seeds < 1:
-        raise ValueError(f"--seeds is {options.seeds}; give how many arenas, 1 or more")
+    if not 1 <= options.seeds <= _MOST:
+        raise ValueError(f"--seeds is {options.seeds}; give how many arenas, 1 to {_MOST}")
     if not 1 <= options.seconds <= _LONGEST:
         raise ValueError(f"--seconds is {options.seconds:g}; give 1 to {_LONGEST}")
     if options.figure is not None:

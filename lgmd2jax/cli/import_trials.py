@@ -2,26 +2,35 @@
 
 import argparse
 from collections import Counter
+from collections.abc import Mapping
+from typing import Any
 
+from lgmd2jax._eye import Eye
+from lgmd2jax._files.folder import check_folder
 from lgmd2jax._results.import_folder import MARKER, RECIPE, write_import
 from lgmd2jax._trials.quality import RULE, accepted, noisy
 from lgmd2jax._trials.trial import told
 from lgmd2jax._trials.trials import Trials
 from lgmd2jax.cli.options.import_trials import SCREEN
 from lgmd2jax.cli.trials_data import trials_of
+from lgmd2jax.stimuli import looming
 
 
 def run(options: argparse.Namespace) -> None:
     """Read the trials, print what was found, and write the folder."""
-    if options.output.exists() and not options.replace and any(options.output.iterdir()):
+    if options.output.is_dir() and not options.replace and any(options.output.iterdir()):
         raise ValueError(f"{options.output} is there already; name another folder, or add --replace")
+    check_folder(options.output, MARKER)
     given = {name: getattr(options, name) for name in SCREEN if getattr(options, name) is not None}
     assumed = [name for name in SCREEN if name not in given]
+    _check_screen(SCREEN | given)
     trials = trials_of(options)
     print(_found(trials))
     kept, excluded = accepted(tuple(trials), options.kernel_ms)
     if not kept:
         raise ValueError("no trial shows a response: " + "; ".join(map(str, excluded)))
+    for condition in Trials(tuple(kept)).conditions:
+        _check_screen(SCREEN | given | {name: condition[name] for name in SCREEN if name in condition})
     write_import(options.output, trials, Trials(tuple(kept)), SCREEN | given, assumed, options.kernel_ms)
     for item in excluded:
         print(f"left out of the targets: {item}")
@@ -31,6 +40,16 @@ def run(options: argparse.Namespace) -> None:
         told_values = ", ".join(f"--{name.replace('_', '-')} {SCREEN[name]:g}" for name in assumed)
         print(f"assumed: {told_values}; give what your screen showed, or change it in {options.output / MARKER}")
     print(f"wrote {options.output}/; next: lgmd2jax looming {options.output}, lgmd2jax fit {options.output / RECIPE}")
+
+
+def _check_screen(screen: Mapping[str, float | str]) -> None:
+    """Refuse, or warn of, values that a stimulus would refuse or warn of, before they stand in a protocol."""
+    for name, value in screen.items():
+        if isinstance(value, str):
+            raise ValueError(f"{name} is {value!r} in the recordings; write a number there, such as {SCREEN[name]:g}")
+    values: dict[str, Any] = dict(screen)
+    eye = Eye(rows=3, cols=3, degrees_per_pixel=2.0, fps=values.pop("fps"))
+    looming(eye, l_over_v=20.0, start_ms=-4000 / eye.fps, end_ms=0.0, **values)
 
 
 def _found(trials: Trials) -> str:

@@ -62,10 +62,13 @@ def run(options: argparse.Namespace) -> None:
                 if film is not None:
                     overlay = overlay or Overlay(frame.pixels.size, model)
                     film.write(overlay.draw(frame, moment.row), frame.time)
-        except KeyboardInterrupt:
-            pass  # the usual end of a camera
+        except KeyboardInterrupt:  # the usual end of a camera
+            if not tally.frames:
+                raise
         except ValueError as error:
             failure = error  # told once the files are whole
+        if not tally.frames:  # the files of an earlier run stay
+            raise failure or ValueError(f"{options.source} sent no frame; nothing was written")
     print("\n".join(_summary(options.source, tally, source.dropped)))
     if outputs:
         print("wrote    " + ", ".join(str(path) for path in outputs))

@@ -13,7 +13,7 @@ from types import ModuleType
 
 from lgmd2jax._compute.kept_programs import keep_programs
 from lgmd2jax._compute.xla import set_flags
-from lgmd2jax._ctrl_c import STOPPED, ended_by_ctrl_c
+from lgmd2jax._ctrl_c import STOPPED, ended_by_ctrl_c, interrupted_by_ctrl_c
 from lgmd2jax._words import Remark, is_refusal
 from lgmd2jax.cli.options import (
     arena,
@@ -98,12 +98,13 @@ def main(arguments: list[str] | None = None) -> int:
 
     **Raises:** `SystemExit` for `--help`, `--version`, and what argparse refuses.
     """
+    whole = arguments is None
     options = argparse.Namespace(traceback=False, no_compilation_cache=False)
     try:
-        with ended_by_ctrl_c() if arguments is None else contextlib.nullcontext():
+        with ended_by_ctrl_c() if whole else contextlib.nullcontext():
             _parser().parse_args(arguments, options)
             command = _loaded(options.command, keep=not options.no_compilation_cache)
-        with _remarks_as_lines():
+        with _remarks_as_lines(), interrupted_by_ctrl_c() if whole else contextlib.nullcontext():
             command.run(options)
     except (Exception, KeyboardInterrupt) as error:
         if options.traceback:
@@ -116,13 +117,13 @@ def main(arguments: list[str] | None = None) -> int:
 
 @contextlib.contextmanager
 def _remarks_as_lines() -> Iterator[None]:
-    """Within the block a `Remark` is one line on standard error, as the commands' own warnings are."""
+    """Within the block a `Remark`, or another warning for the user, is one line, as the commands' own warnings are."""
     with warnings.catch_warnings():
         warnings.simplefilter("always", Remark)
         show = warnings.showwarning
 
         def line(message, category, *place, **rest):
-            if issubclass(category, Remark):
+            if issubclass(category, Remark) or category is UserWarning:
                 print(f"lgmd2jax: warning: {message}", file=sys.stderr)
             else:
                 show(message, category, *place, **rest)

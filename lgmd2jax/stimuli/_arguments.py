@@ -2,7 +2,9 @@
 
 import math
 from collections.abc import Callable, Collection, Mapping
+from typing import Any
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import ScalarLike
@@ -40,15 +42,28 @@ def _checked(
     name: str, value: ScalarLike | None, quantity: TypeAliasType, wanted: Mapping[str, Callable[[float], bool]]
 ) -> Scalar:
     """The value as an array, refused with the first of the `wanted` words that are not true of it."""
-    if value is None or isinstance(value, (str, list, tuple, dict)) or np.shape(value) != ():
-        raise ValueError(f"{name} is {value!r}; give one number, and map a batch with jax.vmap")
+    unit = unit_of(quantity)
+    if not _is_number(value):
+        cure = f"give one number, in {unit.name.strip('()')}, and map a batch with jax.vmap"
+        raise ValueError(f"{name} is {value!r:.60}; {cure}")
     if is_concrete(value):
-        size, unit = float(np.asarray(value)), unit_of(quantity)
+        size = float(np.asarray(value))
         for words, holds in wanted.items():
             if not (math.isfinite(size) and holds(size)):
                 raise ValueError(f"{name} is {value} {unit.name}; give {words}")
         unit.warn_if_confused(name, size)
     return jnp.asarray(value, dtype=float)
+
+
+def _is_number(value: Any) -> bool:
+    """Whether it is one number without a unit of its own, which numpy would drop; a traced one too."""
+    if isinstance(value, bool):
+        return False
+    if isinstance(value, (int, float)):
+        return True
+    # Quantities are a kind of numpy's array.
+    is_array = isinstance(value, (np.generic, jax.Array)) or type(value) is np.ndarray
+    return is_array and not value.shape and value.dtype.kind in "iuf"
 
 
 def one_of(name: str, value: str, known: Collection) -> None:

@@ -150,7 +150,7 @@ def test_the_handed_over_model_alarms_as_the_report_says(place):
     [
         (RECIPE.replace("seed = 9", "seed = 2"), "validation.seed = 2: is that of the clips that are fitted"),
         (RECIPE.replace("[solver]", "[solver]\nloss = 'huber'"), "solver.loss = 'huber': unknown key"),
-        (RECIPE.replace("clips.toml", "looming"), "condition = [{"),
+        (RECIPE.replace("clips.toml", "looming"), "it is a protocol of stimuli, not a file of labelled clips"),
         (RECIPE.replace("k = {", "kk = {"), "free.kk = {"),
     ],
 )
@@ -218,7 +218,7 @@ def test_clips_go_with_alarms_alone(place, capsys):
 
 
 def test_a_protocol_of_labelled_clips_is_no_protocol_of_stimuli(capsys):
-    with pytest.raises(ValueError, match="holds labelled clips, for recipes of kind 'alarms'"):
+    with pytest.raises(ValueError, match="it is a file of labelled clips, not a protocol of stimuli"):
         lgmd.load_protocol("video")
 
 
@@ -321,4 +321,4 @@ def test_watching_takes_an_lgmd2_and_labels(place, capsys):
     assert main(["watch", str(place / "clips.toml"), "--model", "preset:yue_rind"]) != 0
     assert "is no LGMD2" in capsys.readouterr().err
     assert main(["watch", str(place / "mine.toml")]) != 0
-    assert "unknown key" in capsys.readouterr().err
+    assert "it is a recipe, not a file of labelled clips" in capsys.readouterr().err

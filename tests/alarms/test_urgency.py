@@ -286,8 +286,15 @@ def test_the_command_adds_it_to_a_folder(path, tmp_path, monkeypatch, capsys):
     assert "mine holds no fit (there is no fit.json); make it first: lgmd2jax fit mine.toml" in capsys.readouterr().err
     folder = tmp_path / "mine"
     folder.mkdir()
-    (folder / "fit.json").write_text("{}")
     shutil.copy(path, folder)
+    (folder / "fit.json").write_text('{"format": "lgmd2jax-fit"}')
+    assert main(["calibrate", "mine.toml"]) == 1
+    assert "mine holds a fit to curves; give the folder of one to labelled clips by -o" in capsys.readouterr().err
+    (folder / "fit.json").write_text('{"format": "lgmd2jax-alarm-fit"}')
+    (tmp_path / "clips.toml").write_text(LABELS.replace("degrees_per_pixel = 4", "degrees_per_pixel = 2"))
+    assert main(["calibrate", "mine.toml"]) == 1
+    assert "belongs to degrees_per_pixel = 4, the clips have 2" in capsys.readouterr().err
+    (tmp_path / "clips.toml").write_text(LABELS)
     assert main(["calibrate", "mine.toml", "--within-ms", "700"]) == 0
     said = capsys.readouterr().out
     assert "urgency: contact within 700 ms, on" in said

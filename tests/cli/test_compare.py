@@ -1,6 +1,7 @@
 """`lgmd2jax compare`: fits side by side as a table and as files, one line for a mistake."""
 
 import json
+import shutil
 
 import pytest
 
@@ -27,6 +28,15 @@ def test_table_and_files(folders, tmp_path, capsys):
     assert out.splitlines()[-1] == "wrote " + ", ".join(files)
     assert list(json.loads((tmp_path / "all.json").read_text())["fits"]) == ["a", "b"]
     assert sorted(path.name for path in tmp_path.iterdir()) == ["all.csv", "all.json", "all.png"]
+
+
+def test_fits_of_one_name_go_by_their_paths(folders, tmp_path, capsys):
+    shutil.copytree(folders / "b", tmp_path / "a")
+    assert main(["compare", str(folders / "a"), str(tmp_path / "a"), "--json", str(tmp_path / "all.json")]) == 0
+    assert list(json.loads((tmp_path / "all.json").read_text())["fits"]) == [str(folders / "a"), str(tmp_path / "a")]
+    capsys.readouterr()
+    assert main(["compare", str(folders / "a"), str(folders / "a")]) == 1
+    assert f"{folders / 'a'} is given 2 times; give each fit once" in capsys.readouterr().err
 
 
 def test_other_data_are_one_line_and_nothing_is_written(folders, tmp_path, capsys):

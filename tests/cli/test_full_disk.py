@@ -24,5 +24,5 @@ def test_an_export_that_does_not_fit_is_one_line_and_leaves_what_is_there(tmp_pa
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 1, done.stderr
     assert done.stderr.count("\n") == 1
-    assert "File too large" in done.stderr
+    assert done.stderr == f"lgmd2jax: {folder}: File too large\n"
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == before

@@ -85,6 +85,35 @@ def test_what_fails_leaves_nothing(options, tmp_path, capsys):
     assert [file.name for file in tmp_path.iterdir()] == ["spikes.csv"]
 
 
+@pytest.mark.parametrize(
+    ("options", "contrast", "words"),
+    [
+        (["--fps", "0"], "", "fps is 0.0; give a positive number"),
+        (["--stop-angle", "200"], "", "stop_angle is 200.0 degrees; give a number in 0..179"),
+        (["--contrast", "-90"], "", "the object would be at grey level -1.78e+04"),
+        (["--background", "300"], "", "background is 300.0 grey levels; give a number in 0..255"),
+        ([], "-90%", "contrast is '-90%' in the recordings; write a number there, such as -0.9"),
+        ([], "-90", "contrast is -90.0 on a background of 200"),
+    ],
+)
+def test_what_no_screen_shows_is_refused(options, contrast, words, tmp_path, capsys):
+    write_tidy(tmp_path / "spikes.csv", recordings("A"))
+    if contrast:
+        header, *rows = (tmp_path / "spikes.csv").read_text().splitlines()
+        text = "\n".join([f"contrast,{header}", *(f"{contrast},{row}" for row in rows)])
+        (tmp_path / "spikes.csv").write_text(text + "\n")
+    assert main(["import", str(tmp_path / "spikes.csv"), "-o", str(tmp_path / "mine"), *options]) == 1
+    assert words in (said := capsys.readouterr().err)
+    assert said.count("\n") == 1
+    assert [file.name for file in tmp_path.iterdir()] == ["spikes.csv"]
+
+
+def test_a_file_in_the_folders_place_is_one_line(tmp_path, capsys):
+    write_tidy(tmp_path / "spikes.csv", recordings("A"))
+    assert main(["import", str(tmp_path / "spikes.csv"), "-o", str(tmp_path / "spikes.csv")]) == 1
+    assert "spikes.csv exists and is not a folder; name another one" in capsys.readouterr().err
+
+
 def test_recordings_at_one_speed_are_kept(tmp_path, capsys):
     """They have no line of peak times, but a fit can aim at them."""
     write_tidy(tmp_path / "spikes.csv", [it for it in recordings("A", trials=4) if it.l_over_v == 20])

@@ -1,5 +1,6 @@
 """`lgmd2jax live`: streams on loopback, a pipe, a fake camera, what is dropped, how it ends, and what it refuses."""
 
+import contextlib
 import csv
 import io
 import os
@@ -23,7 +24,7 @@ from lgmd2jax.cli import live, main
 from lgmd2jax.cli.live_tally import COLUMNS, Moment, Tally
 from lgmd2jax.cli.live_view import Screen
 from tests.cli.streams import av, over_tcp, over_udp
-from tests.videos import write_video
+from tests.videos import noise, write_video
 
 ROOT = pathlib.Path(__file__).parents[2]
 ROWS, COLS = 32, 48
@@ -99,18 +100,8 @@ def test_a_stream_over_udp_is_seen_until_it_stops(place, capsys):
 def test_a_pipe_gives_the_numbers_of_the_robots_program(place, capsys, monkeypatch):
     """All frames at once: most are dropped, and the intervals between the others are those of the film."""
     write_video(place / "film.mkv", looms(60))
-    content = (place / "film.mkv").read_bytes()
-    reader, writer = os.pipe()
-    thread = threading.Thread(target=_fill, args=(writer, content), daemon=True)
-    kept = os.dup(0)
-    os.dup2(reader, 0)
-    try:
-        thread.start()
+    with piped((place / "film.mkv").read_bytes()):
         assert main(["live", "-", "--resize", "48", "--csv", "a.csv"]) == 0
-    finally:
-        os.dup2(kept, 0)
-        os.close(kept)
-        os.close(reader)
     rows, pictures = table("a.csv"), looms(60)[..., 0]
     index = np.array([int(row["frame"]) for row in rows])
     assert sum(counted(capsys.readouterr().out)) == 60
@@ -124,8 +115,24 @@ def test_a_pipe_gives_the_numbers_of_the_robots_program(place, capsys, monkeypat
     np.testing.assert_allclose(sides, answers.mp_sides, rtol=1e-6)
 
 
+@contextlib.contextmanager
+def piped(content):
+    """Within the block the bytes come through standard input."""
+    reader, writer = os.pipe()
+    thread = threading.Thread(target=_fill, args=(writer, content), daemon=True)
+    kept = os.dup(0)
+    os.dup2(reader, 0)
+    try:
+        thread.start()
+        yield
+    finally:
+        os.dup2(kept, 0)
+        os.close(kept)
+        os.close(reader)
+
+
 def _fill(writer, content):
-    with open(writer, "wb") as file:
+    with contextlib.suppress(BrokenPipeError), open(writer, "wb") as file:
         file.write(content)
 
 
@@ -242,6 +249,17 @@ def test_a_stream_that_stops_keeps_what_came(place, capsys):
         over.set()
     assert "is silent: no frame for 0.7 s" in capsys.readouterr().err
     assert len(table("a.csv")) > 5
+
+
+def test_a_source_without_a_frame_leaves_the_files_of_an_earlier_run(place, capsys):
+    """The index of an mp4 stands at its end, where a pipe cannot look for it."""
+    (place / "a.csv").write_text("earlier")
+    write_video(place / "film.mp4", noise(20, (240, 320)), "libx264", "yuv420p")
+    with piped((place / "film.mp4").read_bytes()):
+        assert main(["live", "-", "--csv", "a.csv", "--overlay", "a.mp4"]) == 1
+    assert "wrote" not in capsys.readouterr().out
+    assert (place / "a.csv").read_text() == "earlier"
+    assert not (place / "a.mp4").exists()
 
 
 def _closed_port():

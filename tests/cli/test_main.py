@@ -235,6 +235,35 @@ def test_ctrl_c_in_a_command_is_one_line_and_leaves_the_handler(monkeypatch, cap
     assert signal.getsignal(signal.SIGINT) is before
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="signals are for POSIX systems")
+def test_ctrl_c_amid_a_collection_of_garbage_is_not_lost():
+    """Python ignores what a callback of its collector raises; JAX has one, which took a Ctrl-C of a sweep."""
+    program = """
+import gc, os, signal, sys, time
+signal.signal(signal.SIGINT, signal.default_int_handler)
+from lgmd2jax.cli import export, main
+
+def callback(phase, info):
+    if phase == "start" and not pressed:
+        pressed.append(True)
+        os.kill(os.getpid(), signal.SIGINT)
+
+def run(options):
+    gc.callbacks.append(callback)
+    gc.collect()
+    for _ in range(1000):
+        time.sleep(0.01)
+    print("it went on")
+
+pressed, export.run = [], run
+sys.argv = ["lgmd2jax", "export", "preset:lgmd2", "--python", "nowhere"]
+raise SystemExit(main())
+"""
+    process = in_a_process(program)
+    assert (process.returncode, process.stdout) == (130, "")
+    assert process.stderr == "lgmd2jax: stopped; nothing was written\n"
+
+
 def test_it_runs_as_a_module(tmp_path):
     line = [sys.executable, "-m", "lgmd2jax.cli", "--version"]
     assert (

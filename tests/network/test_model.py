@@ -1,14 +1,18 @@
 """The model as its users call it: precision, compilation, transformations, misuse."""
 
-from typing import Any
+import datetime
+from typing import Any, cast
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+import quantities as pq
 
 import lgmd2jax as lgmd
+from lgmd2jax import hard
+from lgmd2jax._handover.model_file import as_hard
 from tests import clips
 
 FRAMES = clips.loom(0, (8, 7, 9))
@@ -180,6 +184,35 @@ def test_repr_says_how_thresholds_act_and_what_the_parameters_are():
 def test_misuse_is_refused(call, message):
     with pytest.raises(ValueError, match=message):
         call(lgmd.LGMD2())
+
+
+@pytest.mark.parametrize(
+    ("frames", "rate", "words"),
+    [
+        (FRAMES / 255, {"fps": 30.0}, "in 0..1; were grey levels in 0..255 meant"),
+        (FRAMES.astype(np.uint16) * 257, {"fps": 30.0}, r"reach(es)? \d+; grey levels lie in 0..255"),
+        (FRAMES, {"fps": 1 / 60}, "fps is 0.01667; were 60 meant, given as an interval in s"),
+        (FRAMES, {"interval": np.full(len(FRAMES), 0.0333)}, "interval is 0.0333 ms; was 33.3 ms meant, given in s"),
+    ],
+)
+@pytest.mark.filterwarnings("ignore")
+def test_frames_and_rates_in_other_units_are_said_by_both_programs(frames, rate: Any, words):
+    with pytest.warns(UserWarning, match=words):
+        lgmd.LGMD2()(frames, **rate)
+    robot = hard.HardLGMD2(as_hard(lgmd.LGMD2()).parameters)
+    with pytest.warns(UserWarning, match=words):
+        _ = robot(frames, rate["fps"]) if "fps" in rate else robot.step(frames[0], rate["interval"][0])
+
+
+@pytest.mark.usefixtures("untyped")
+@pytest.mark.parametrize(
+    "value", [datetime.timedelta(milliseconds=33), np.timedelta64(33, "ms"), 33 * pq.ms, True, "33"]
+)
+def test_a_rate_that_is_no_plain_number_is_refused(value: Any):
+    with pytest.raises(ValueError, match=r"fps is .*; give a positive number of frames per second"):
+        lgmd.LGMD2()(FRAMES, fps=value)
+    with pytest.raises(ValueError, match=r"interval is .* positive numbers of ms"):
+        lgmd.LGMD2()(FRAMES, interval=cast(Any, [value] * len(FRAMES)))
 
 
 @pytest.mark.parametrize(

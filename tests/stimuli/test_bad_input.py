@@ -5,7 +5,10 @@ import re
 import jax
 import jax.numpy as jnp
 import numpy as np
+import pandas as pd
+import pint
 import pytest
+import quantities as pq
 
 from lgmd2jax import Eye, stimuli
 
@@ -109,6 +112,18 @@ def test_bad_cameras_are_refused_in_one_line(setting):
     clip = stimuli.Stimulus(jnp.zeros((2, 3, 3)), 50.0, jnp.arange(2.0))
     with pytest.raises(ValueError, match=f"{next(iter(setting))} is"):
         stimuli.camera(clip, jax.random.key(0), **setting)
+
+
+@pytest.mark.usefixtures("untyped")
+@pytest.mark.parametrize(
+    "value",
+    [0.02 * pint.UnitRegistry().s, 20 * pq.ms, pd.Timedelta(20, "ms"), np.timedelta64(20, "ms"), True, "20"],
+    ids=["pint", "quantities", "pandas", "numpy", "bool", "text"],
+)
+def test_what_is_no_plain_number_is_refused(value):
+    """Numpy drops units: 0.02 s was 0.02 ms."""
+    with pytest.raises(ValueError, match=r"l_over_v is .*; give one number, in ms, and map a batch"):
+        stimuli.looming(EYE, l_over_v=value, start_ms=-100, end_ms=0)
 
 
 def test_traced_values_go_unchecked():

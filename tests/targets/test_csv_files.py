@@ -74,6 +74,12 @@ def test_a_curve_is_read_however_it_was_written(write, text, settings):
         ("time_ms,t,rate\n0,0,1\n", {}, "columns 'time_ms' and 't' are named like a time; name it by time"),
         ("time_ms,rate,rate\n0,1,5\n1,2,6\n", {}, "2 columns are named 'rate'; give each a name of its own"),
         ("time_ms,rate, rate\n0,1,5\n1,2,6\n", {}, "2 columns are named 'rate'"),
+        ("time_h,rate\n0,1\n1,2\n", {}, "column 'time_h' counts in 'h', which is no unit of time here"),
+        ("time (frames),rate\n0,1\n1,2\n", {}, r"column 'time \(frames\)' counts in 'frames'"),
+        ("time [days],rate\n0,1\n1,2\n", {}, "counts in 'days'"),
+        ("t_ms,rate (spikes/bin)\n0,1\n1,2\n", {"column": "rate (spikes/bin)"}, "has the unit 'spikes/bin', which is"),
+        ("t_ms,rate (kHz)\n0,1\n", {"column": "rate (kHz)", "unit": "Hz"}, "unit is 'Hz', but the column is named"),
+        ("t_ms,u [mV]\n0,1\n", {"column": "u [mV]", "channel": "smp"}, "has the unit 'mV', which is none of the"),
         ("time_ms,time_ms,rate\n0,0,1\n", {}, "2 columns are named 'time_ms'"),
         ("t;rate,x\n0;1,2\n", {}, "cells could be separated by ',' or ';'; give the separator"),
         ("t;rate\n0,5;1,5\n", {}, "'0,5' in row 1, which is no finite number; give decimal = ','"),
@@ -99,9 +105,24 @@ def test_a_curve_is_read_however_it_was_written(write, text, settings):
 )
 def test_what_could_be_read_wrongly_is_refused(write, text, settings, message):
     with pytest.raises(ValueError, match=message) as caught:
-        lgmd.read_target(write(text), column="rate", channel="rate", **settings)
+        lgmd.read_target(write(text), **{"column": "rate", "channel": "rate", **settings})
     assert str(caught.value).startswith(str(write(text)))
     assert "\n" not in str(caught.value)
+
+
+def test_the_unit_in_the_name_of_a_column_counts(write):
+    for name, values in (("rate (kHz)", "0.5"), ("rate [spikes/s]", "500"), ("rate (DCMD)", "500")):
+        read = lgmd.read_target(write(f"t_ms,{name}\n0,{values}\n"), column=name, channel="rate")
+        np.testing.assert_allclose(read.values, [500.0])
+
+
+@pytest.mark.parametrize(
+    ("channel", "value", "words"),
+    [("smp", 70, "reach from 0.6 to 70"), ("smp_adapted", -65, "in 0.5 to 1; convert percent or mV")],
+)
+def test_values_that_a_potential_never_has_are_said(write, channel, value, words):
+    with pytest.warns(UserWarning, match=words):
+        lgmd.read_target(write(f"t_ms,u\n0,{value}\n9,0.6\n"), column="u", channel=channel)
 
 
 def test_a_column_a_trial_makes_a_mean_with_its_error(write):

@@ -133,7 +133,15 @@ def test_what_is_no_response_to_an_approach_falls_out(trials, reason):
 
 
 @pytest.mark.parametrize(
-    ("settings", "words"), [({"kernel_ms": 0.0}, "kernel_ms is 0"), ({"resamples": 1}, "resamples is 1")]
+    ("settings", "words"),
+    [
+        ({"kernel_ms": 0.0}, "kernel_ms is 0"),
+        ({"kernel_ms": 0.02}, "kernel_ms is 0.02; give the s.d. of a Gaussian in ms"),
+        ({"kernel_ms": 1e9}, "kernel_ms is 1e\\+09"),
+        ({"kernel_ms": float("nan")}, "kernel_ms is nan"),
+        ({"resamples": 1}, "resamples is 1"),
+        ({"seed": -1}, "seed is -1; give 0 or more"),
+    ],
 )
 def test_settings_that_cannot_be_are_refused(settings, words):
     with pytest.raises(ValueError, match=words):

@@ -44,6 +44,20 @@ def test_one_frame_that_is_held_does_not_change_the_rate_of_the_others(tmp_path)
     assert frames[-1].interval == pytest.approx(7000 - 59 * 1000 / 30, abs=1)
 
 
+@pytest.mark.parametrize("count", [3, 4, 12, 13])
+def test_intervals_that_take_turns_have_the_rate_of_one_of_them(tmp_path, count):
+    """Between as many short as long ones lies no interval at all, and the rate of such a clip was NaN."""
+    stamps = np.cumsum([0, *np.resize([40, 20], count - 1)])
+    clip = open_clip(write_video(tmp_path / "clip.mkv", noise(count), stamps_ms=stamps))
+    assert clip.fps == pytest.approx(25) or clip.fps == pytest.approx(50)
+    np.testing.assert_allclose([frame.time for frame in clip], stamps)
+
+
+def test_an_interval_given_as_a_rate_is_said(tmp_path):
+    with pytest.warns(ClipWarning, match="fps is 0.04; were 25 frames per second meant, given as an interval in s"):
+        open_clip(write_video(tmp_path / "clip.mkv", noise(3)), fps=0.04)
+
+
 @pytest.mark.parametrize("suffix", [".mkv", ".webm", ".ts", ".mp4"])
 def test_a_file_need_not_start_at_0(tmp_path, suffix):
     codec = "libvpx" if suffix == ".webm" else "libx264"
