@@ -71,7 +71,7 @@ def traced_once(function: Callable[P, Out]) -> Callable[P, Out]:
     @functools.wraps(function)
     def call(*args: P.args, **kwargs: P.kwargs) -> Out:
         folder = place_of_programs()
-        if folder is None or jax.config.jax_disable_jit:  # one line at a time, for a debugger
+        if folder is None or jax.config.jax_disable_jit:  # pyright: ignore[reportAttributeAccessIssue]
             return jitted(*args, **kwargs)
         bound = signature.bind(*args, **kwargs)
         bound.apply_defaults()
