@@ -116,7 +116,7 @@ def _deep_colours(path: Path) -> _Raw:
     except ImportError:
         raise ValueError("16-bit colours need PyAV: pip install 'lgmd2jax[video]'") from None
     try:
-        with av.open(f"file:{path}") as container:
+        with av.open(f"file:{path}", metadata_errors="replace") as container:
             values = next(container.decode(video=0)).to_ndarray(format="rgba64le")
     except (FFmpegError, StopIteration) as error:
         raise ValueError(f"{error}") from error

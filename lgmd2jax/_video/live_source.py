@@ -138,7 +138,13 @@ def open_live(name: str, timeout: float = 5.0) -> LiveSource:
         raise ValueError("a camera or a stream needs PyAV: pip install 'lgmd2jax[live]'") from None
     place, driver = _place(name)
     try:
-        container = av.open(place, format=driver, options={} if driver else _WITHOUT_DELAY, timeout=timeout)
+        container = av.open(
+            place,
+            format=driver,
+            options={} if driver else _WITHOUT_DELAY,
+            timeout=timeout,
+            metadata_errors="replace",
+        )
     except FFmpegError as error:
         raise _refusal(name, error, timeout) from error
     if not container.streams.video:

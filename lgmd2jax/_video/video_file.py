@@ -122,7 +122,7 @@ class VideoFile:
             raise ValueError("reading video needs PyAV: pip install 'lgmd2jax[video]'") from None
         try:
             # The prefix keeps ffmpeg from taking a colon in the name for a protocol.
-            container = av.open(f"file:{self.path}")
+            container = av.open(f"file:{self.path}", metadata_errors="replace")
         except PermissionError as error:
             raise ValueError(f"cannot read {self.path}: {error.strerror}") from error
         except FFmpegError as error:

@@ -34,6 +34,14 @@ def test_a_raw_stream_that_states_its_rate_has_it(tmp_path):
     np.testing.assert_allclose([frame.time for frame in frames], np.arange(6) * 1000 / 90)
 
 
+def test_a_title_that_is_not_utf_8_does_not_matter(tmp_path):
+    path = write_video(tmp_path / "old.mkv", noise(5), setup=lambda stream: stream.metadata.update(title="Strasse"))
+    content = path.read_bytes()
+    assert b"Strasse" in content
+    path.write_bytes(content.replace(b"Strasse", b"Stra\xdfe "))  # Latin-1, as older cameras write
+    assert len(list(open_clip(path))) == 5
+
+
 def test_one_frame_that_is_held_does_not_change_the_rate_of_the_others(tmp_path):
     stamps = [*np.round(np.arange(60) * 1000 / 30), 7000]
     clip = open_clip(write_video(tmp_path / "clip.mp4", noise(61, (32, 48)), "libx264", "yuv420p", stamps_ms=stamps))
