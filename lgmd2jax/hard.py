@@ -353,7 +353,7 @@ def read(path) -> dict:
                 raise ValueError(f"{name} is missing")
         for name in content:
             if name not in ("format", "version", *names, *later):
-                raise ValueError(f"{name} is unknown; there are {', '.join(('format', 'version', *names, *later))}")
+                raise ValueError(f"{name!r} is unknown; there are {', '.join(('format', 'version', *names, *later))}")
         for name, absent in (("network", NETWORK), ("mechanisms", {}), ("calibration", {})):
             content.setdefault(name, absent)
         for name in ("parameters", "mechanisms", "structure", "provenance", "calibration"):
@@ -428,14 +428,14 @@ def _check_parameters(parameters, domains):
         raise ValueError(f"parameters is {parameters!r}; give a value for each of {', '.join(domains)}")
     for name in parameters:
         if name not in DOMAINS and not any(name in table for table in MECHANISMS.values()):
-            raise ValueError(f"parameter {name} is unknown; there are {', '.join(domains)}")
+            raise ValueError(f"parameter {name!r} is unknown; there are {', '.join(domains)}")
     _check_values(parameters, domains)
 
 
 def _check_names(mechanisms):
     for name in mechanisms:
         if name not in MECHANISMS:
-            raise ValueError(f"mechanism {name} is unknown; there are {', '.join(MECHANISMS)}")
+            raise ValueError(f"mechanism {name!r} is unknown; there are {', '.join(MECHANISMS)}")
     if "membrane" in mechanisms and "shunt" not in mechanisms:
         raise ValueError("mechanisms has a membrane without the shunt that it needs")
 

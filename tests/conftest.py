@@ -22,7 +22,8 @@ jax.config.update("jax_enable_x64", True)
 jax.config.update("jax_numpy_rank_promotion", "raise")
 jax.config.update("jax_disable_most_optimizations", True)
 # Tracing makes objects by the million and few of them in circles: looks for those took a tenth of the suite's time.
-gc.set_threshold(200_000, 20, 100)
+USUAL_GC, RARE_GC = gc.get_threshold(), (200_000, 20, 100)
+gc.set_threshold(*RARE_GC)
 # All rooms but hard.py: the search for a hand-over file's test vector steps the robot's program by 100,000 frames, and
 # checks of calls take three quarters of that time. Its arrays have no declared shapes; pyright checks its types.
 PACKAGE = pathlib.Path(__file__).parents[1] / "lgmd2jax"
@@ -38,6 +39,14 @@ def few_programs():
     if maps.exists() and len(maps.read_bytes().splitlines()) > 10_000:
         jax.clear_caches()
         gc.collect()
+
+
+@pytest.fixture
+def usual_gc():
+    """Circles of objects looked for as often as for a user, where memory is measured."""
+    gc.set_threshold(*USUAL_GC)
+    yield
+    gc.set_threshold(*RARE_GC)
 
 
 @pytest.fixture

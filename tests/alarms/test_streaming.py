@@ -89,7 +89,7 @@ def test_rendered_clips_follow_the_recorded_ones(tmp_path):
     assert [clip.name[:3] for clip in evaluation.clips] == ["c", "000", "001"]
 
 
-def test_memory_does_not_hold_the_clip(tmp_path):
+def test_memory_does_not_hold_the_clip(tmp_path, usual_gc):
     pictures = noise(600, (ROWS, COLS))
     file = label_file(tmp_path, pictures, f"resize = {COLS}")
     file.evaluate(MODEL)  # compiles

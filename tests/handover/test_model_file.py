@@ -140,7 +140,7 @@ def test_version_1_is_read_as_ever(tmp_path):
     for later in ("network", "mechanisms", "calibration"):
         old = content | {later: "LGMD2" if later == "network" else {}}
         (tmp_path / "model.json").write_text(json.dumps(old))
-        with pytest.raises(ValueError, match=f"{later} is unknown; there are format, version, parameters"):
+        with pytest.raises(ValueError, match=f"'{later}' is unknown; there are format, version, parameters"):
             hard.load(tmp_path / "model.json")
         with pytest.raises(jsonschema.ValidationError):
             jsonschema.validate(old, SCHEMA)
@@ -181,7 +181,7 @@ def test_a_calibration_may_stand_in_it(path):
         ),
         (
             lambda content: content["parameters"].update(theta4=1),
-            "theta4 is unknown",
+            "'theta4' is unknown",
             r"parameters\.theta4 = 1: unknown key",
         ),
         (
@@ -197,7 +197,7 @@ def test_a_calibration_may_stand_in_it(path):
         ),
         (
             lambda content: content.update(mechanisms={"sise": {}}),
-            "mechanism sise is unknown; there are size, shunt",
+            "mechanism 'sise' is unknown; there are size, shunt",
             r"mechanisms\.sise = \{\}: unknown key",
         ),
         (
@@ -252,7 +252,7 @@ def test_a_calibration_may_stand_in_it(path):
         ),
         (
             lambda content: content.update(remark="mine"),
-            "remark is unknown; there are format, version, network",
+            "'remark' is unknown; there are format, version, network",
             "remark = 'mine': unknown key",
         ),
         (

@@ -5,6 +5,9 @@ import subprocess
 import sys
 from pathlib import Path
 
+import jax
+import pytest
+
 ROOT = Path(__file__).parents[2]
 PROGRAM = """
 import equinox as eqx, jax, numpy as np, lgmd2jax as lgmd
@@ -31,6 +34,9 @@ for network in (
 """
 
 
+@pytest.mark.skipif(
+    jax.__version_info__ < (0, 10, 2), reason="before 0.10.2 JAX rounded a sum in a loop otherwise, by the last bit"
+)
 def test_stream_clip_and_jit_agree_to_the_bit():
     """In single precision. With the flags of the command line sums may round otherwise in a loop than outside of it."""
     names = ("XLA_FLAGS", "JAX_ENABLE_X64", "JAX_DISABLE_MOST_OPTIMIZATIONS")

@@ -134,7 +134,7 @@ def test_time_stamps_count_where_the_clock_is_not_steady_unless_fps_is_told(tmp_
 # Memory
 
 
-def test_the_memory_does_not_grow_with_the_length_of_the_clip(tmp_path):
+def test_the_memory_does_not_grow_with_the_length_of_the_clip(tmp_path, usual_gc):
     def peak(count):
         path = write_video(tmp_path / f"{count}.avi", noise(4, (120, 160))[np.arange(count) % 4], "mpeg4", "yuv420p")
         clip = open_clip(path, resize=40)
