@@ -13,6 +13,7 @@ from lgmd2jax._trials.quality import PEAK_RULE, RULE, Excluded, Rates, judged
 from lgmd2jax._trials.trial import Trial
 
 _CONFIDENCE = 0.95
+_LEAST_R2 = 0.5  # below that a line leaves more unexplained than it explains
 
 
 @dataclasses.dataclass(frozen=True)
@@ -80,7 +81,7 @@ class LoomingEstimate:
         }
 
     def summary(self) -> str:
-        """A table with a row an animal and one of all, then what was left out and by which rule."""
+        """A table with a row an animal and one of all, what was left out by which rule, and whose line is none."""
         rows = [("", "alpha", "delta (ms)", "threshold angle (deg)", "r2", "trials")]
         for name, times in [*self.animals.items(), (f"all {len(self.animals)}", self.pooled)]:
             angle = str(times.threshold_angle_deg)
@@ -88,7 +89,13 @@ class LoomingEstimate:
         widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
         lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
         lines += ["", f"{self.peak_rule}; 95 % intervals: {self.resamples} bootstrap samples", f"rule: {self.rule}"]
-        return "\n".join([*lines, *(f"left out: {item}" for item in self.excluded)])
+        weak = [
+            f"hardly a line: {name}: l/|v| explains {times.r2:.0%} of the variance of its peak times (r2), so neither "
+            "its alpha nor its delta says much"
+            for name, times in self.animals.items()
+            if times.r2 < _LEAST_R2
+        ]
+        return "\n".join([*lines, *(f"left out: {item}" for item in self.excluded), *weak])
 
 
 def estimate(trials: Sequence[Trial], kernel_ms: float | None, resamples: int, seed: int) -> LoomingEstimate:

@@ -81,6 +81,16 @@ def test_noise_falls_out_and_is_named(law):
     assert law.rule in law.summary()
 
 
+def test_an_animal_whose_peaks_follow_no_line_is_named():
+    peaks = {10.0: 100.0, 20.0: 160.0, 40.0: 90.0}  # ms before collision
+    off = (it for speed, peak in peaks.items() for it in clockwork(ALPHA * speed - peak, (speed,), animal="B"))
+    law = lgmd.Trials((*clockwork(20.0), *off)).looming_law(10.0, resamples=20)
+    r2 = np.corrcoef(list(peaks), list(peaks.values()))[0, 1] ** 2
+    assert law.animals["B"].r2 == pytest.approx(r2, abs=0.02)
+    (line,) = (line for line in law.summary().splitlines() if line.startswith("hardly a line"))
+    assert line.startswith(f"hardly a line: B: l/|v| explains {law.animals['B'].r2:.0%} of")
+
+
 def test_without_chance_the_line_is_exact():
     law = lgmd.Trials(tuple(clockwork(20.0))).looming_law(10.0, resamples=20)
     assert law.pooled.alpha.value == pytest.approx(ALPHA, abs=0.01)
