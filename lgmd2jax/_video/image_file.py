@@ -12,6 +12,7 @@ import numpy as np
 import tifffile
 from PIL import Image, ImageFile
 
+from lgmd2jax._video.container import open_container
 from lgmd2jax._video.image_pixels import ImagePixels, remarks_on_depth
 from lgmd2jax._video.orientation import Orientation
 
@@ -111,12 +112,11 @@ def _deep_colours(path: Path) -> _Raw:
     if path.suffix.lower() in TIFF:
         raise ValueError("its 16-bit colours are compressed; save it without compression")
     try:
-        import av
         from av.error import FFmpegError
     except ImportError:
         raise ValueError("16-bit colours need PyAV: pip install 'lgmd2jax[video]'") from None
     try:
-        with av.open(f"file:{path}", metadata_errors="replace") as container:
+        with open_container(f"file:{path}") as container:
             values = next(container.decode(video=0)).to_ndarray(format="rgba64le")
     except (FFmpegError, StopIteration) as error:
         raise ValueError(f"{error}") from error

@@ -7,6 +7,7 @@ import time
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from lgmd2jax._video.container import open_container
 from lgmd2jax._video.orientation import Orientation
 from lgmd2jax._video.video_pixels import Scaler, VideoPixels
 
@@ -132,19 +133,12 @@ def open_live(name: str, timeout: float = 5.0) -> LiveSource:
     **Raises:** `ValueError` for what is none of these, is not there, is in use, or is no video.
     """
     try:
-        import av
         from av.error import FFmpegError
     except ImportError:
         raise ValueError("a camera or a stream needs PyAV: pip install 'lgmd2jax[live]'") from None
     place, driver = _place(name)
     try:
-        container = av.open(
-            place,
-            format=driver,
-            options={} if driver else _WITHOUT_DELAY,
-            timeout=timeout,
-            metadata_errors="replace",
-        )
+        container = open_container(place, format=driver, options={} if driver else _WITHOUT_DELAY, timeout=timeout)
     except FFmpegError as error:
         raise _refusal(name, error, timeout) from error
     if not container.streams.video:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from lgmd2jax._video.container import open_container
 from lgmd2jax._video.orientation import Orientation
 from lgmd2jax._video.remarks import warn
 from lgmd2jax._video.video_pixels import Scaler, VideoPixels
@@ -116,13 +117,12 @@ class VideoFile:
 
     def _opened(self):
         try:
-            import av
             from av.error import FFmpegError
         except ImportError:
             raise ValueError("reading video needs PyAV: pip install 'lgmd2jax[video]'") from None
         try:
             # The prefix keeps ffmpeg from taking a colon in the name for a protocol.
-            container = av.open(f"file:{self.path}", metadata_errors="replace")
+            container = open_container(f"file:{self.path}")
         except PermissionError as error:
             raise ValueError(f"cannot read {self.path}: {error.strerror}") from error
         except FFmpegError as error:
