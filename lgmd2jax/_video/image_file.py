@@ -112,7 +112,7 @@ def _deep_colours(path: Path) -> _Raw:
     if path.suffix.lower() in TIFF:
         raise ValueError("its 16-bit colours are compressed; save it without compression")
     try:
-        from av.error import FFmpegError
+        from av import FFmpegError
     except ImportError:
         raise ValueError("16-bit colours need PyAV: pip install 'lgmd2jax[video]'") from None
     try:

@@ -133,7 +133,7 @@ def open_live(name: str, timeout: float = 5.0) -> LiveSource:
     **Raises:** `ValueError` for what is none of these, is not there, is in use, or is no video.
     """
     try:
-        from av.error import FFmpegError
+        from av import FFmpegError
     except ImportError:
         raise ValueError("a camera or a stream needs PyAV: pip install 'lgmd2jax[live]'") from None
     place, driver = _place(name)

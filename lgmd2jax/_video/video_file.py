@@ -117,7 +117,7 @@ class VideoFile:
 
     def _opened(self):
         try:
-            from av.error import FFmpegError
+            from av import FFmpegError
         except ImportError:
             raise ValueError("reading video needs PyAV: pip install 'lgmd2jax[video]'") from None
         try:
