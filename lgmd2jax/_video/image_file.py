@@ -112,7 +112,8 @@ def _deep_colours(path: Path) -> _Raw:
     if path.suffix.lower() in TIFF:
         raise ValueError("its 16-bit colours are compressed; save it without compression")
     try:
-        from av import FFmpegError
+        import av  # noqa: F401  # av.error may be loaded without it
+        from av.error import FFmpegError
     except ImportError:
         raise ValueError("16-bit colours need PyAV: pip install 'lgmd2jax[video]'") from None
     try:

@@ -133,7 +133,8 @@ def open_live(name: str, timeout: float = 5.0) -> LiveSource:
     **Raises:** `ValueError` for what is none of these, is not there, is in use, or is no video.
     """
     try:
-        from av import FFmpegError
+        import av  # noqa: F401  # av.error may be loaded without it
+        from av.error import FFmpegError
     except ImportError:
         raise ValueError("a camera or a stream needs PyAV: pip install 'lgmd2jax[live]'") from None
     place, driver = _place(name)

@@ -117,7 +117,8 @@ class VideoFile:
 
     def _opened(self):
         try:
-            from av import FFmpegError
+            import av  # noqa: F401  # av.error may be loaded without it
+            from av.error import FFmpegError
         except ImportError:
             raise ValueError("reading video needs PyAV: pip install 'lgmd2jax[video]'") from None
         try:
