@@ -11,11 +11,9 @@ from pathlib import Path
 from lgmd2jax._files.cache import cache_folder
 
 LIMIT = 256 << 20  # bytes; the programs of all commands take some 20 MB
+_PLACE = "LGMD2JAX_PROGRAMS"  # tells the folder to processes that a command starts
 _OFF = {"0", "f", "false", "n", "no", "off"}
 _UNSAID = [f"Error {doing} persistent compilation cache entry" for doing in ("reading", "writing")]
-
-
-_PLACE = "LGMD2JAX_PROGRAMS"
 
 
 def keep_programs() -> None:

@@ -35,11 +35,12 @@ def _draw_raster(axes: Axes, trials: list[Trial]) -> None:
     rows = np.repeat(np.arange(len(trials)), [trial.spikes_ms.size for trial in trials])
     spikes = np.concatenate([trial.spikes_ms for trial in trials])
     axes.plot(spikes, rows, "|", color=BLACK, markersize=2, markeredgewidth=0.4, rasterized=True)
-    rows_of = Counter(trial.animal for trial in trials)
-    ends = np.cumsum(list(rows_of.values()))
+    counts = Counter(trial.animal for trial in trials)
+    heights = np.array(list(counts.values()))
+    ends = np.cumsum(heights)
     for end in ends[:-1]:
         axes.axhline(end - 0.5, color=GREY, linewidth=0.5)
-    axes.set_yticks(ends - np.array(list(rows_of.values())) / 2 - 0.5, list(rows_of))
+    axes.set_yticks(ends - heights / 2 - 0.5, list(counts))
 
 
 def _draw_rates(axes: Axes, trials: list[Trial], kernel_ms: float) -> None:

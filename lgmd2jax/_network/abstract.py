@@ -23,11 +23,9 @@ from lgmd2jax._network.stages import AbstractCell, AbstractPixels, Interval, Lev
 from lgmd2jax._network.structure import structure_fields
 from lgmd2jax._network.thresholds import Thresholds
 from lgmd2jax._types import Number, cast, is_concrete, unless_nan
+from lgmd2jax.hard import BRIGHTEST, SECONDS
 
 Neuron = Literal["LGMD2", "LGMD1"]
-
-_BRIGHTEST = 300  # above it are frames of more than 8 bits; noise reaches a little beyond 255
-_SECONDS = 1e-4, 0.2  # between them an interval is hardly one in ms; below is none at all
 
 
 class State(eqx.Module):
@@ -242,7 +240,7 @@ class AbstractNetwork(eqx.Module):
             if fps is not None:
                 raise ValueError("fps and interval are both given; give the one that is known")
             interval = _positive(interval, "interval", "ms", shape)
-            if is_concrete(interval) and _SECONDS[0] < (usual := float(np.median(interval))) < _SECONDS[1]:
+            if is_concrete(interval) and SECONDS[0] < (usual := float(np.median(interval))) < SECONDS[1]:
                 warnings.warn(f"interval is {usual:.4g} ms; was {1000 * usual:.4g} ms meant, given in s?", stacklevel=3)
             return interval
         if fps is None:
@@ -349,9 +347,9 @@ def _as_pixels(frames, dtype, name: str, shape: str, rank: int) -> Array:
 def _warn_of_levels(frames: np.ndarray) -> None:
     """Warn of frames that are hardly meant in grey levels 0..255."""
     highest = frames.max()
-    if 0 < np.ptp(frames) <= highest <= 1:
+    if 0 < highest <= 1 and 0 <= frames.min() < highest:
         warnings.warn("frames lie in 0..1; were grey levels in 0..255 meant? Multiply by 255", stacklevel=3)
-    elif _BRIGHTEST < highest < np.inf:
+    elif BRIGHTEST < highest < np.inf:
         warnings.warn(
             f"frames reach {highest:g}; grey levels lie in 0..255: multiply by 255 over what is white", stacklevel=3
         )

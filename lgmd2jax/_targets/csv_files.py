@@ -130,16 +130,16 @@ def _factor(column: str, unit: str | None, channel: Channel) -> float:
     if own is None:
         return factor
     named = size_of(own[1], kind)
-    if unit is None and named is None and not _LIKE_A_UNIT.search(own[1]):
+    if named is None:
+        if unit is None and _LIKE_A_UNIT.search(own[1]):
+            raise ValueError(
+                f"column {column!r} has the unit {own[1]!r}, which is none of the channel {channel!r}; convert it, or "
+                "give its true unit"
+            )
         return factor
-    if unit is None and named is None:
-        raise ValueError(
-            f"column {column!r} has the unit {own[1]!r}, which is none of the channel {channel!r}; convert it, or give "
-            "its true unit"
-        )
-    if unit is not None and named not in (None, factor):
+    if unit is not None and named != factor:
         raise ValueError(f"unit is {unit!r}, but the column is named {column!r}; mend one of them")
-    return factor if named is None else named
+    return named
 
 
 def _warn_of_values(path: str | os.PathLike, channel: Channel, values: np.ndarray) -> None:

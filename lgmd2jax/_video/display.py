@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import UInt8
 
 from lgmd2jax._files.atomic import replaced
+from lgmd2jax._video.container import pyav
 from lgmd2jax.stimuli import Stimulus
 
 _PATCH = 0.08  # of the picture's height, at least two pixels
@@ -44,10 +45,7 @@ def save_display_video(
             raise ValueError(f"{name} is {value}; give a positive number")
     if os.path.splitext(path)[1].lower() not in (".mkv", ".mp4"):
         raise ValueError(f"cannot write {path}; end its name in .mkv or .mp4")
-    try:
-        import av
-    except ImportError:
-        raise ValueError("writing video needs PyAV: pip install 'lgmd2jax[video]'") from None
+    av = pyav("writing video needs")
     pictures, rate = display_frames(stimulus, fps, gamma), float(stimulus.fps if fps is None else fps)
     side = max(round(_PATCH * pictures.shape[1]), 2)
     with replaced(path) as temporary, av.open(os.fspath(temporary), "w") as container:

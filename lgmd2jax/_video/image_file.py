@@ -12,7 +12,7 @@ import numpy as np
 import tifffile
 from PIL import Image, ImageFile
 
-from lgmd2jax._video.container import open_container
+from lgmd2jax._video.container import open_container, pyav
 from lgmd2jax._video.image_pixels import ImagePixels, remarks_on_depth
 from lgmd2jax._video.orientation import Orientation
 
@@ -111,15 +111,11 @@ def _deep_colours(path: Path) -> _Raw:
     """A PNG of 16 bits a colour, which Pillow would cut to 8."""
     if path.suffix.lower() in TIFF:
         raise ValueError("its 16-bit colours are compressed; save it without compression")
+    av = pyav("16-bit colours need")
     try:
-        import av  # noqa: F401  # av.error may be loaded without it
-        from av.error import FFmpegError
-    except ImportError:
-        raise ValueError("16-bit colours need PyAV: pip install 'lgmd2jax[video]'") from None
-    try:
-        with open_container(f"file:{path}") as container:
+        with open_container(av, f"file:{path}") as container:
             values = next(container.decode(video=0)).to_ndarray(format="rgba64le")
-    except (FFmpegError, StopIteration) as error:
+    except (av.error.FFmpegError, StopIteration) as error:
         raise ValueError(f"{error}") from error
     return _Raw(values[..., :3], 65535.0, values[..., 3].astype(np.float32) / 65535)
 

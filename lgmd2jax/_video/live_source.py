@@ -7,7 +7,7 @@ import time
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from lgmd2jax._video.container import open_container
+from lgmd2jax._video.container import open_container, pyav
 from lgmd2jax._video.orientation import Orientation
 from lgmd2jax._video.video_pixels import Scaler, VideoPixels
 
@@ -132,15 +132,11 @@ def open_live(name: str, timeout: float = 5.0) -> LiveSource:
 
     **Raises:** `ValueError` for what is none of these, is not there, is in use, or is no video.
     """
-    try:
-        import av  # noqa: F401  # av.error may be loaded without it
-        from av.error import FFmpegError
-    except ImportError:
-        raise ValueError("a camera or a stream needs PyAV: pip install 'lgmd2jax[live]'") from None
+    av = pyav("a camera or a stream needs", "live")
     place, driver = _place(name)
     try:
-        container = open_container(place, format=driver, options={} if driver else _WITHOUT_DELAY, timeout=timeout)
-    except FFmpegError as error:
+        container = open_container(av, place, format=driver, options={} if driver else _WITHOUT_DELAY, timeout=timeout)
+    except av.error.FFmpegError as error:
         raise _refusal(name, error, timeout) from error
     if not container.streams.video:
         container.close()

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lgmd2jax._video.container import open_container
+from lgmd2jax._video.container import open_container, pyav
 from lgmd2jax._video.orientation import Orientation
 from lgmd2jax._video.remarks import warn
 from lgmd2jax._video.video_pixels import Scaler, VideoPixels
@@ -116,17 +116,13 @@ class VideoFile:
         return next((rate for rate in stated if abs(usual / rate - 1) < 0.02), usual)
 
     def _opened(self):
-        try:
-            import av  # noqa: F401  # av.error may be loaded without it
-            from av.error import FFmpegError
-        except ImportError:
-            raise ValueError("reading video needs PyAV: pip install 'lgmd2jax[video]'") from None
+        av = pyav("reading video needs")
         try:
             # The prefix keeps ffmpeg from taking a colon in the name for a protocol.
-            container = open_container(f"file:{self.path}")
+            container = open_container(av, f"file:{self.path}")
         except PermissionError as error:
             raise ValueError(f"cannot read {self.path}: {error.strerror}") from error
-        except FFmpegError as error:
+        except av.error.FFmpegError as error:
             raise ValueError(f"{self.path} is no video, or a truncated one: {error.strerror}") from error
         # ffmpeg draws plain text as the screen of a terminal ("tty").
         if not container.streams.video or container.format.name == "tty":

@@ -7,6 +7,7 @@ from fractions import Fraction
 
 import numpy as np
 
+from lgmd2jax._video.container import pyav
 from lgmd2jax._video.grey import Picture
 
 _TICKS = 90_000  # a second
@@ -48,14 +49,10 @@ def video_writer(path: str | os.PathLike, fps: float) -> Iterator[VideoWriter]:
 
     **Raises:** `ValueError` without PyAV, and for a name whose suffix is no video format.
     """
-    try:
-        import av
-        from av.error import FFmpegError
-    except ImportError:
-        raise ValueError("writing video needs PyAV: pip install 'lgmd2jax[video]'") from None
+    av = pyav("writing video needs")
     try:
         container = av.open(os.fspath(path), "w")
-    except (ValueError, FFmpegError):
+    except (ValueError, av.error.FFmpegError):
         raise ValueError("cannot tell the format of the video; end its name in .mp4, .mkv or .mov") from None
     with container:
         writer = VideoWriter(container, fps)
