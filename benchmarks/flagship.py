@@ -6,11 +6,10 @@ python -m benchmarks.flagship --without 5 15               asks for all properti
 python -m benchmarks.flagship --table candidates.csv       goes on from the models of a table, and writes it anew
 python -m benchmarks.flagship --table candidates.csv --front front.png      draws a table, and searches nothing
 
-A descent of the hard model. The residuals are what the curves of stimuli/lgmd2.toml lack, and by how much each property
-misses a margin within its bounds: with objects as they are, half a pixel aside, and in two other draws of noise and
-texture. The slopes of MP and F are the exact ones of the soft model. The cell is differentiated by differences over
-stored MP(t) and F(t), whose steps reach across the jumps of its adaptation. Where Levenberg and Marquardt's step leads
-nowhere, random ones follow that are long where the residuals are flat, and cells alone are tried by the hundred.
+An evolution of the hard model. Its misfit is a sum of squares: what the curves of stimuli/lgmd2.toml lack, and by how
+much each property misses a margin within its bounds, with objects as they are, half a pixel aside, and in two other
+draws of noise and texture. A model's pixels are dear, its cell is cheap: of each candidate the cell is tried many times
+over stored MP(t) and F(t).
 """
 
 import argparse
@@ -18,7 +17,7 @@ import csv
 import dataclasses
 import functools
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -28,6 +27,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float
 
 import lgmd2jax as lgmd
+from benchmarks._evolution import Evolution, outside
 from benchmarks._front_figure import front_figure
 from lgmd2jax._characterise import trials
 from lgmd2jax._characterise.curves import curves_of
@@ -63,10 +63,8 @@ WEIGHT_IN_NOISE, WEIGHT_ELSEWHERE = 0.5, 0.2  # of the loom in noise, and of wha
 HALF = 0.48  # of silence's RMSE, where a response is asked
 QUIET, TOO_LOUD = 0.028, 0.03  # of the potential, where quiet is asked; beyond, what counts as a whole miss
 
-TEMPERATURE = jnp.asarray(0.05)  # of the soft model that lends its slopes
-STEP = 1.5e-3  # of the unit box: half the width of a difference
-LONGEST = 0.15  # of the unit box: of any parameter's step
-DAMPED, RANDOM, CELLS = 3, 5, 96  # tries of each kind in a round
+FROM_SOBOL, FROM_KNOWN = 0.25, 0.04  # of the unit box: the spread of the first candidates
+CELLS = 64  # variants of a candidate
 
 
 class Passed(NamedTuple):
@@ -118,9 +116,9 @@ class Candidate:
         return f"{self.misfit:9.3f}  " + ", ".join(f"{name} {value}" for name, value in self.row().items())
 
 
-def at(z, temperature=None) -> lgmd.AbstractNetwork:
+def at(z) -> lgmd.AbstractNetwork:
     """The model at a point."""
-    return PROBLEM.at(z, temperature)[0]
+    return PROBLEM.at(z, None)[0]
 
 
 @functools.partial(jax.jit, static_argnames="fps")
@@ -129,18 +127,11 @@ def trial_sums(z, frames, fps):
     return at_rate(at(z), EXAM, fps).sums(frames, jnp.asarray(1000 / fps))[0]
 
 
-@functools.partial(jax.jit, static_argnames="fps")
-def trial_slopes(z, frames, fps):
-    """Their slopes in the soft model, by the entries of the point along the last axis."""
-    return jax.jacfwd(lambda z: at_rate(at(z, TEMPERATURE), EXAM, fps).sums(frames, jnp.asarray(1000 / fps))[0])(z)
-
-
 condition_sums = jax.jit(lambda z: PROBLEM.sums(at(z)))
-condition_slopes = jax.jit(jax.jacfwd(lambda z: PROBLEM.sums(at(z, TEMPERATURE))))
 
 
-def passed_on(z, of_trial: Callable[..., Sums], of_conditions: Callable[..., tuple[Sums, ...]]) -> Passed:
-    """Sums or slopes of all views and conditions; other noise is shown in those trials alone that have any."""
+def passed_on(z) -> Passed:
+    """Sums of all views and conditions; other noise is shown in those trials alone that have any."""
     plain: dict[str, Sums] = {}
     views = []
     for exam in VIEWS.values():
@@ -151,12 +142,12 @@ def passed_on(z, of_trial: Callable[..., Sums], of_conditions: Callable[..., tup
                 if exam.seed and not _depends_on_seed(trial):
                     sums.append(plain[trial.name])
                     continue
-                sums.append(jax.device_get(of_trial(z, jnp.asarray(exam.frames(trial)), trial.fps)))
+                sums.append(jax.device_get(trial_sums(z, jnp.asarray(exam.frames(trial)), trial.fps)))
                 if exam is EXAM:
                     plain[trial.name] = sums[-1]
             groups.append(jax.tree.map(lambda *each: np.stack(each), *sums))
         views.append(tuple(groups))
-    return Passed(jax.tree.map(lambda *each: np.stack(each), *views), jax.device_get(of_conditions(z)))
+    return Passed(jax.tree.map(lambda *each: np.stack(each), *views), jax.device_get(condition_sums(z)))
 
 
 def _depends_on_seed(trial: trials.Trial) -> bool:
@@ -236,105 +227,40 @@ def misfits(points: Float[Array, "point free"], passed: Passed, without: tuple[i
 
 
 class Search:
-    """A descent. `best`: the best model so far; `front`: of all, those that no other one excels.
+    """What a search asks for; `front`: of all its models, those that no other one excels.
 
     **Arguments:** `curves`: weight of the curves beside the properties. `without`: numbers of the properties that are
-    not asked for. `seed`: of all that is random.
+    not asked for.
     """
 
-    def __init__(self, curves: float, without: Sequence[int], seed: int):
+    def __init__(self, curves: float, without: Sequence[int]):
         self.settings = tuple(without), jnp.asarray(curves)
-        self.chance = np.random.default_rng(seed)
-        self.cell = np.array(PROBLEM.cell_indices)
         self.front: list[Candidate] = []
-        self.damping = 0.03
 
     def candidate(self, z: Float[np.ndarray, " free"], passed: Passed | None = None) -> Candidate:
         """A point, judged; by what its pixels pass on where that is known."""
-        passed = passed or passed_on(jnp.asarray(z), trial_sums, condition_sums)
+        passed = passed or passed_on(jnp.asarray(z))
         residuals, told = jax.device_get(everything(jnp.asarray(z), passed, *self.settings))
         candidate = Candidate(z, residuals, passed, told)
         self.front = _front([*self.front, candidate])
         return candidate
 
-    def slopes(self, candidate: Candidate) -> Float[np.ndarray, "residual free"]:
-        """Of its residuals, by the unit box."""
-        of_pixels = passed_on(jnp.asarray(candidate.z), trial_slopes, condition_slopes)
-        columns = []
-        for i, unit in enumerate(np.eye(len(FREE))):
-            ends = [
-                everything(
-                    candidate.z + step * unit,
-                    jax.tree.map(
-                        lambda sums, slope, step=step, i=i: sums + step * slope[..., i], candidate.passed, of_pixels
-                    ),
-                    *self.settings,
-                )[0]
-                for step in (-STEP, STEP)
-            ]
-            columns.append((ends[1] - ends[0]) / (2 * STEP))
-        return np.nan_to_num(np.stack(columns, axis=1))
-
-    def round(self, best: Candidate) -> Candidate:
-        """A better candidate, or the same."""
-        slopes, start = self.slopes(best), best
-        for attempt in range(DAMPED + RANDOM):
-            is_damped = attempt < DAMPED
-            candidate = self.candidate(
-                damped_step(slopes, start, self.damping) if is_damped else self.random_step(slopes, best)
-            )
-            if candidate.misfit < best.misfit:
-                best = candidate
-                if is_damped:
-                    self.damping = max(self.damping / 4, 1e-4)
-                if best.misfit < 0.97 * start.misfit:
-                    break
-            elif is_damped:
-                self.damping = min(self.damping * 6, 1e2)
-        for spread in (0.03, 0.008):
-            best = self.other_cell(best, spread)
+    def generation(self, evolution: Evolution, best: Candidate) -> Candidate:
+        """The best model after a generation."""
+        points, values = evolution.ask(), []
+        chosen = []
+        for variants in points:
+            within = np.clip(variants, 0, 1)
+            passed = passed_on(jnp.asarray(within[0]))
+            scores = np.nan_to_num(np.asarray(misfits(jnp.asarray(within), passed, *self.settings)), nan=np.inf)
+            scores += outside(variants)
+            i = int(np.argmin(scores))
+            chosen.append(variants[i])
+            values.append(scores[i])
+            if scores[i] < best.misfit:
+                best = min(best, self.candidate(within[i], passed), key=lambda each: each.misfit)
+        evolution.tell(np.stack(chosen), np.array(values))
         return best
-
-    def random_step(self, slopes, candidate: Candidate) -> Float[np.ndarray, " free"]:
-        """A step that changes the residuals alike whatever its direction."""
-        curvature = slopes.T @ slopes
-        values, directions = np.linalg.eigh(curvature + 0.02 * np.diag(_unit(curvature)))
-        step = directions @ (self.chance.standard_normal(len(values)) / np.sqrt(values))
-        step *= min(1, 0.2 / np.abs(step).max()) * 2 * np.sqrt(candidate.misfit / len(values))
-        drift = damped_step(slopes, candidate, 1.0) - candidate.z
-        z = candidate.z + self.chance.choice([0.1, 0.3, 1.0]) * step + self.chance.choice([0.0, 0.3]) * drift
-        return np.clip(z, 0, 1)
-
-    def other_cell(self, candidate: Candidate, spread: float) -> Candidate:
-        """The best of cells scattered about that of a candidate, or the candidate."""
-        points, shape = np.tile(candidate.z, (CELLS, 1)), (CELLS, len(self.cell))
-        points[:, self.cell] += spread * self.chance.standard_normal(shape) * (self.chance.random(shape) < 0.5)
-        points = np.clip(points, 0, 1)
-        scores = np.asarray(misfits(jnp.asarray(points), candidate.passed, *self.settings))
-        other = self.candidate(points[np.nanargmin(scores)], candidate.passed)
-        return other if other.misfit < candidate.misfit else candidate
-
-
-def damped_step(slopes, candidate: Candidate, damping: float) -> Float[np.ndarray, " free"]:
-    """Where Levenberg and Marquardt's step leads within the box; a parameter at a wall that it would pass stays."""
-    moves = np.ones(len(FREE), bool)
-    step = np.zeros(len(FREE))
-    for _ in range(len(FREE)):
-        some = slopes[:, moves]
-        curvature = some.T @ some
-        step[:] = 0
-        step[moves] = -np.linalg.solve(curvature + damping * np.diag(_unit(curvature)), some.T @ candidate.residuals)
-        stuck = moves & (((candidate.z <= 0) & (step < 0)) | ((candidate.z >= 1) & (step > 0)))
-        if not stuck.any():
-            break
-        moves &= ~stuck
-    return np.clip(candidate.z + step * min(1, LONGEST / max(np.abs(step).max(), 1e-9)), 0, 1)
-
-
-def _unit(curvature):
-    """The scale of each parameter; one without influence has a little of the others'."""
-    diagonal = np.diag(curvature)
-    return diagonal + 1e-3 * diagonal.max() + 1e-9
 
 
 def _front(candidates: Sequence[Candidate]) -> list[Candidate]:
@@ -377,19 +303,20 @@ def write_table(table: Path, candidates: Sequence[Candidate]) -> None:
 
 def run(options: argparse.Namespace, seed: int, start: Sequence[Float[np.ndarray, " free"]]) -> Candidate:
     """One search, from the best of the given points or of Sobol points of its own; each better model is printed."""
-    search, end = Search(options.curves, options.without, seed), time.monotonic() + 60 * options.minutes
+    search, end = Search(options.curves, options.without), time.monotonic() + 60 * options.minutes
     points = start or sobol(len(FREE), SOBOL_POINTS, (seed,))
     best = min((search.candidate(z) for z in points), key=lambda candidate: candidate.misfit)
+    evolution = Evolution(
+        best.z, FROM_KNOWN if start else FROM_SOBOL, np.array(PROBLEM.cell_indices), variants=CELLS, seed=seed
+    )
     print(f"    start  {best}", flush=True)
-    while True:
-        if options.table:
-            write_table(options.table, [*search.front, *([] if best in search.front else [best])])
-        if time.monotonic() > end:
-            break
-        after = search.round(best)
+    while time.monotonic() < end:
+        after = search.generation(evolution, best)
         if after is not best:
             print(after, flush=True)
         best = after
+        if options.table:
+            write_table(options.table, [*search.front, *([] if best in search.front else [best])])
     return best
 
 

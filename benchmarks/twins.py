@@ -2,7 +2,7 @@
 
 python -m benchmarks.twins --count 100           soft targets at temperature 1: the parameters must come back
 python -m benchmarks.twins --hard --count 20     hard targets: the handed-over hard model must give the same curves
-python -m benchmarks.twins --noise .002 --count 200   noise: 95 % intervals must cover the truth
+python -m benchmarks.twins --noise .002 --count 200   noise: 95 % intervals of valid fits must cover the truth
 python -m benchmarks.twins --mechanisms ...      the same of the circuit with all mechanisms, with their parameters
 python -m benchmarks.twins --many ...            from 15 conditions instead of 5, which determine more parameters
 """
@@ -10,7 +10,7 @@ python -m benchmarks.twins --many ...            from 15 conditions instead of 5
 import argparse
 import dataclasses
 import time
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import jax
 import numpy as np
@@ -167,14 +167,22 @@ def twin(
     )
 
 
-def covered(
-    seed: int, noise: float, shown: list[lgmd.Stimulus], circuit: Circuit = PLAIN, **settings
-) -> tuple[Bool[np.ndarray, " free"], Bool[np.ndarray, " free"]]:
-    """Fit the curves of a random soft set, with noise on the potential and on the spikes.
+class Coverage(NamedTuple):
+    """What the intervals of a fit are worth.
 
-    **Returns:** by parameter, whether its 95 % interval holds the truth, and whether the fit calls it well determined:
-    neither undetermined nor rough, within a tenth of its range.
+    - `held`: whether the 95 % interval of a parameter holds the truth.
+    - `known`: whether the fit calls the parameter well determined: neither undetermined nor rough, within a tenth of
+      its range.
+    - `valid`: whether the fit calls itself valid. One that ended in another minimum says by its misfit that it is not.
     """
+
+    held: Bool[np.ndarray, " free"]
+    known: Bool[np.ndarray, " free"]
+    valid: bool
+
+
+def coverage(seed: int, noise: float, shown: list[lgmd.Stimulus], circuit: Circuit = PLAIN, **settings) -> Coverage:
+    """Fit the curves of a random soft set, with noise on the potential and on the spikes."""
     truth, thresholds, rng = circuit.truth(seed), lgmd.Soft(1.0), np.random.default_rng(seed)
 
     def noisy(channel: Literal["smp_adapted", "spikes"], curve, error: float) -> lgmd.Target:
@@ -195,10 +203,11 @@ def covered(
     u, values = fit.uncertainty, np.array(list(truth.values()))
     straight = np.array([name not in fit.curved for name in u.names])
     within = u.standard_errors < PRECISE * np.array([free.high - free.low for free in circuit.free.freedoms])
-    return (u.intervals[:, 0] <= values) & (values <= u.intervals[:, 1]), u.determined & straight & within
+    held = (u.intervals[:, 0] <= values) & (values <= u.intervals[:, 1])
+    return Coverage(held, u.determined & straight & within, fit.status[0] == "valid")
 
 
-def _coverage(name: str, held: Bool[np.ndarray, "..."], known: Bool[np.ndarray, "..."]) -> str:
+def _line(name: str, held: Bool[np.ndarray, "..."], known: Bool[np.ndarray, "..."]) -> str:
     """How often intervals hold the truth: of parameters that are well determined, and of all."""
     share = f"{held[known].mean():6.1%}" if known.any() else "     -"
     return f"{name:8} covered {share} of {known.sum():4} well determined, {held.mean():6.1%} of all {held.size:4}"
@@ -220,11 +229,14 @@ def main() -> None:
     shown = (many_stimuli if options.many else stimuli)(eye_of(options.degrees_per_pixel))
     seeds = tqdm(range(options.first, options.first + options.count), unit="twin")
     if options.noise:
-        pairs = np.array([covered(seed, options.noise, shown, circuit, **SEARCH) for seed in seeds])
-        held, known = np.moveaxis(pairs, 1, 0)
-        for name, holds, judged in zip(circuit.free.names, held.T, known.T, strict=True):
-            print(_coverage(name, holds, judged))
-        print(_coverage("together", held, known))
+        fits = [coverage(seed, options.noise, shown, circuit, **SEARCH) for seed in seeds]
+        valid = [fit for fit in fits if fit.valid]
+        print(f"{len(valid)} of {options.count} fits are valid; of their 95 % intervals")
+        if valid:
+            held, known = np.array([fit.held for fit in valid]), np.array([fit.known for fit in valid])
+            for name, holds, judged in zip(circuit.free.names, held.T, known.T, strict=True):
+                print(_line(name, holds, judged))
+            print(_line("together", held, known))
         return
     thresholds = lgmd.Hard() if options.hard else lgmd.Soft(1.0)
     good = 0

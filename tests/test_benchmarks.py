@@ -6,10 +6,12 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+import scipy.optimize
 import xarray
 
 import lgmd2jax as lgmd
 from benchmarks import _kernels, _peers, threshold_angle, words
+from benchmarks._evolution import Evolution, outside
 from benchmarks._task import FPS, PARAMETERS, VALUES, Size, film
 from benchmarks._timing import time_together
 from lgmd2jax.fitting._problem import problem_of
@@ -153,3 +155,24 @@ def test_the_share_of_a_sentence_is_that_of_its_samples_within_the_band():
     np.testing.assert_allclose(kept.share[0], expected, atol=1e-9)
     outside = np.maximum(low - both, both - high).max(), part.max() + 0.01 - part.min()
     np.testing.assert_allclose(kept.farthest[0], outside, atol=1e-6)
+
+
+def test_an_evolution_finds_the_least_value_in_the_box():
+    rng, size = np.random.default_rng(0), 8
+    mix, goal = rng.standard_normal((size, size)), np.where(np.arange(size) == 2, 1.3, 0.4)
+    form = mix @ mix.T + 0.05 * np.eye(size)
+
+    def value(points):
+        off = np.clip(points, 0, 1) - goal
+        return np.einsum("...i,ij,...j", off, form, off)
+
+    evolution = Evolution(np.full(size, 0.6), 0.2, np.array([1, 4, 5]), variants=16, seed=1)
+    for _ in range(150):
+        points = evolution.ask()
+        assert np.ptp(points[..., evolution.dear], axis=1).max() == 0
+        values = value(points) + outside(points)
+        each, best = np.arange(len(points)), values.argmin(axis=1)
+        evolution.tell(points[each, best], values[each, best])
+    least = scipy.optimize.minimize(value, np.full(size, 0.5), bounds=[(0, 1)] * size)
+    assert least.x[2] == 1
+    assert value(evolution.mean) == pytest.approx(least.fun, rel=1e-3)

@@ -150,7 +150,7 @@ class Parameters(ParameterSet):
             "decay of the photoreceptors' persistence, where n_p > 0 (eq. 1)",
             "1",
             "(-inf, inf)",
-            (0.0, 3.0),
+            (-1.5, 3.0),  # what u = 0 leaves after a frame at 30 fps, -1.5 leaves after as long a time at 100 fps
             source="free in the paper",
             stage="pixels",
             per_frame="persistence",

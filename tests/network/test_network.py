@@ -233,3 +233,12 @@ def test_soft_goes_to_hard():
     assert differences[0, 0] > 1e-3, "at temperature 1 the soft model should differ"
     assert np.all(np.diff(differences, axis=0) <= 0)
     assert np.all(differences[-1] < 1e-6)
+
+
+@pytest.mark.parametrize("u", [-0.5, 1.0])
+def test_persistence_lifts_slow_changes_above_noise(u):
+    model, a = lgmd.LGMD2(lgmd.Parameters(u=u), n_p=1), 1 / (1 + np.exp(u))
+    ramp = np.broadcast_to(np.arange(60.0)[:, None, None], (60, 8, 9))
+    assert model(ramp, 30).ffi[-1] == pytest.approx(1 / (1 - a), rel=1e-2)
+    noise = np.random.default_rng(0).standard_normal((200, 60, 60))
+    assert np.mean(model(noise, 30).ffi[20:]) == pytest.approx(np.sqrt(2 / (1 + a)) * np.sqrt(2 / np.pi), rel=1e-2)
