@@ -25,9 +25,10 @@ _INSTALLED = {"site-packages", "dist-packages"}
 def fingerprint(value: Any) -> str:
     """A digest of a value, the same in another process, another one where anything in it differs.
 
-    Of functions count the code, defaults, attributes, the variables of enclosing functions, and, of code that no package
-    holds, the globals that it names, also those of other modules; of partial functions and bound methods the arguments
-    and the object; of objects their state and their class. What a package holds is known by its name and version.
+    Of functions count the code, defaults, attributes, the variables of enclosing functions, and, of code that no
+    package holds, the globals that it names, also those of other modules; of partial functions and bound methods the
+    arguments and the object; of objects their state and their class. What a package holds is known by its name and
+    version.
 
     **Raises:** `ValueError` for a value whose content cannot be told, such as an open file.
     """

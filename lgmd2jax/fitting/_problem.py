@@ -33,8 +33,9 @@ Curves = list[list[Float[Array, "_ _"]]]
 class Slot(eqx.Module):
     """One target of each condition of a batch; `scale` is 0 where there is none.
 
-    `low` and `high` are the edges of a band, both of them the values of a curve. `thinning` is how many frames,
-    each as close to its neighbours as this one, make one independent sample. `exposure` is 0 but for counts of spikes: the time in which they were counted, in s, by weight.
+    `low` and `high` are the edges of a band, both of them the values of a curve. `thinning` is how many frames, each as
+    close to its neighbours as this one, make one independent sample. `exposure` is 0 but for counts of spikes: the time
+    in which they were counted, in s, by weight.
     """
 
     channel: str = eqx.field(static=True)

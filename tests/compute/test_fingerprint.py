@@ -122,9 +122,9 @@ def of_a_static_method(background):
 
 def with_an_attribute(background):
     def renderer(eye, *, contrast):
-        return renders(eye, contrast=contrast, background=renderer.level)
+        return renders(eye, contrast=contrast, background=vars(renderer)["level"])
 
-    renderer.level = background
+    vars(renderer)["level"] = background
     return renderer
 
 
@@ -196,7 +196,7 @@ def test_globals_count_as_far_as_they_are_named(monkeypatch):
 
 
 def test_variables_of_other_modules_of_ones_own_count(monkeypatch):
-    settings = types.ModuleType("settings_of_mine")
+    settings: Any = types.ModuleType("settings_of_mine")
     settings.inner = types.ModuleType("settings_of_mine.inner")
     settings.inner.level = 200.0
 
