@@ -68,7 +68,7 @@ def test_residuals_are_those_of_single_calls(problem, pairs, temperature):
                 curve = getattr(response, target.channel)
             batched = here.curves[batch][slot][row][: len(stimulus.time)]
             np.testing.assert_allclose(batched, curve, atol=1e-9)
-            expected += np.sum((target.scale * (np.asarray(curve) - target.values)) ** 2) / target.thinning
+            expected += np.sum((target.scale * (np.asarray(curve) - target.values)) ** 2 / target.thinning)
     np.testing.assert_allclose(np.sum(np.square(here.residuals)), expected, rtol=1e-9)
     assert problem.known().sum() == sum(len(target.values) for _, targets in pairs for target in targets)
     assert len(problem.known()) == len(here.residuals)
