@@ -154,6 +154,8 @@ def fit(
     z, value, choice = np.array(runs[0].z), runs[0].loss, {}
     if choose is not None and not stopped:
         z, value, choice = _chosen(problem, start, runs, choose)
+        if not np.array_equal(z, runs[0].z):
+            result = "chosen by its score"
     slopes = sensitivity_at(problem, jax.device_put(z), strong(temperatures[-1]))
     if absolute_errors is None:
         absolute_errors = all(target.has_error for _, targets in pairs for target in targets)

@@ -272,7 +272,7 @@ class Fit:
                 f"least loss is {choice['least_loss']:.4g}, with a score of {choice['score_of_least_loss']:g}. Errors "
                 "and intervals are those of the curves alone, near the chosen point."
             )
-        if self.result not in FINAL:
+        elif self.result not in FINAL:
             remarks.append(f"The last descent did not converge: {self.result}.")
         sides = zip(self.values.items(), self.uncertainty.on_bound, strict=True)
         bounds = [f"{name} ({value:.4g})" for (name, value), side in sides if side]

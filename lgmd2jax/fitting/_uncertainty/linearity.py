@@ -25,11 +25,12 @@ _ROUNDING = 1e-7  # of the box: standard errors so small are those of a twin wit
 
 
 def nonlinear_parameters(residuals: Residuals, z: Float[np.ndarray, " free"], u: Uncertainty) -> tuple[str, ...]:
-    """The parameters whose intervals by linearisation cannot be trusted. A parameter is one of them for either reason:
+    """The parameters whose intervals by linearisation cannot be trusted. A parameter is one of them for any of these reasons:
 
     - The curves are nonlinear within its interval. It is moved by two standard errors to both sides, and the others
       with it by their correlations. Linear curves make chi2 rise by the square of the number of standard errors, plus
       its slope if the best point is not quite the optimum. Here chi2 rises much more, or much less.
+    - The point is no optimum, since the fit was stopped, or chose a model for what else it does. Then it stands for all.
     - It depends on a loose parameter, which is one that bends, stands at a bound or is not determined. The loose
       parameter is held at places all over its range, and the others are fitted anew. At a place that fits as well, this
       parameter has moved much further than its standard error allows.
@@ -41,12 +42,21 @@ def nonlinear_parameters(residuals: Residuals, z: Float[np.ndarray, " free"], u:
     judged = u.determined & (errors > _ROUNDING)
     if not judged.any():
         return ()
+    if _fall(u) > _AS_GOOD:
+        return tuple(name for name, is_judged in zip(u.names, judged, strict=True) if is_judged)
     nonlinear = judged.copy()
     nonlinear[judged] = _bend(residuals, z, u, errors, np.flatnonzero(judged))
     loose = nonlinear | ~u.determined | (u.on_bound != 0)
     if loose.any() and not nonlinear[judged].all():
         nonlinear |= judged & _follow(residuals, z, u, errors, np.flatnonzero(loose))
     return tuple(name for name, is_nonlinear in zip(u.names, nonlinear, strict=True) if is_nonlinear)
+
+
+def _fall(u: Uncertainty) -> float:
+    """By how much chi2 would fall yet if the curves were linear, within the parameters that may move."""
+    free = u.determined & (u.on_bound == 0)
+    slope = u.gradient[free]
+    return float(slope @ np.linalg.lstsq(u.information[np.ix_(free, free)], slope)[0]) / 4
 
 
 def _bend(
