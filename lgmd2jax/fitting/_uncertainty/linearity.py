@@ -25,12 +25,12 @@ _ROUNDING = 1e-7  # of the box: standard errors so small are those of a twin wit
 
 
 def nonlinear_parameters(residuals: Residuals, z: Float[np.ndarray, " free"], u: Uncertainty) -> tuple[str, ...]:
-    """The parameters whose intervals by linearisation cannot be trusted. A parameter is one of them for any of these reasons:
+    """The parameters whose intervals by linearisation cannot be trusted. A parameter is one of them for any of these:
 
     - The curves are nonlinear within its interval. It is moved by two standard errors to both sides, and the others
       with it by their correlations. Linear curves make chi2 rise by the square of the number of standard errors, plus
       its slope if the best point is not quite the optimum. Here chi2 rises much more, or much less.
-    - The point is no optimum, since the fit was stopped, or chose a model for what else it does. Then it stands for all.
+    - The point is no optimum: the fit was stopped, or chose a model for what else it does. That goes for all of them.
     - It depends on a loose parameter, which is one that bends, stands at a bound or is not determined. The loose
       parameter is held at places all over its range, and the others are fitted anew. At a place that fits as well, this
       parameter has moved much further than its standard error allows.
