@@ -38,8 +38,24 @@ class Log(_Range):
     """Bounds between which a fit measures factors: `Log(5, 50)`. Both bounds are positive."""
 
 
+Scale = Literal["linear", "log"]
 P = TypeVar("P", bound=ParameterSet)
 RANGES = {"linear": Linear, "log": Log}
+
+
+def between(low: Any, high: Any, scale: Scale, z: Any) -> Any:
+    """The value at z in [0, 1] between bounds."""
+    return low * (high / low) ** z if scale == "log" else low + (high - low) * z
+
+
+def check_bounds(name: str, low: float | int, high: float | int, scale: Scale) -> None:
+    """Raise `ValueError` for bounds between which there is no such scale."""
+    if not low < high:
+        raise ValueError(f"{name} has the bounds {low:g} and {high:g}; the first must be below the second")
+    if not (math.isfinite(low) and math.isfinite(high)):
+        raise ValueError(f"{name} has the bounds {low:g} and {high:g}; give finite ones")
+    if scale == "log" and low <= 0:
+        raise ValueError(f"{name} has the bound {low:g}; bounds on a logarithmic scale must be positive")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -55,7 +71,7 @@ class Structure(NamedTuple):
 
     name: str
     symbol: Symbol
-    scale: Literal["linear", "log"]
+    scale: Scale
     has_prior: bool
 
 
@@ -70,14 +86,12 @@ class Freedom:
     symbol: Symbol
     low: Any
     high: Any
-    scale: Literal["linear", "log"]
+    scale: Scale
     prior: tuple[Any, Any] | None
 
     def value(self, z):
         """The value at z in [0, 1]."""
-        if self.scale == "log":
-            return self.low * (self.high / self.low) ** z
-        return self.low + (self.high - self.low) * z
+        return between(self.low, self.high, self.scale, z)
 
     def place(self, value):
         """The z of a value."""
@@ -315,16 +329,13 @@ def _freedom(name: str, choice, symbol: Symbol) -> Freedom:
         except (TypeError, ValueError):
             raise ValueError(f"{name} is free in {choice!r}; give (low, high), None, Linear, Log or Tie") from None
         choice = Linear(low, high)
-    scale = "linear" if isinstance(choice, Linear) else "log" if isinstance(choice, Log) else symbol.scale
+    scale: Scale = "linear" if isinstance(choice, Linear) else "log" if isinstance(choice, Log) else symbol.scale
     low = float(symbol.bounds[0] if choice.low is None else choice.low)
     high = float(symbol.bounds[1] if choice.high is None else choice.high)
-    if not low < high:
-        raise ValueError(f"{name} is free in ({low:g}, {high:g}); the first bound must be below the second")
     for bound in (low, high):
         if not (math.isfinite(bound) and symbol.contains(bound)):
             raise ValueError(f"{name} has the bound {bound:g}; it must lie in {symbol.domain}")
-    if scale == "log" and low <= 0:
-        raise ValueError(f"{name} has the bound {low:g}; between bounds that count factors it must be positive")
+    check_bounds(name, low, high, scale)
     return Freedom(name, symbol, low, high, scale, _prior(name, choice.prior))
 
 

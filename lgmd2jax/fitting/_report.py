@@ -239,7 +239,7 @@ def residual_section(curves: Sequence[Curve], kind: Kind) -> Section:
     columns += ("correlated over ms|",)
     sentences = (
         "Autocorrelation: of neighbouring samples. Noise is correlated over the span of the recording's own smoothing; "
-        "what is correlated over longer this circuit cannot do.",
+        "a longer correlation shows what the circuit does not follow.",
     )
     return Section(f"Residuals of the {kind} model", columns, tuple(rows), sentences)
 
@@ -258,10 +258,10 @@ def score_section(scores: Sequence[Score], parameters: ParameterSet) -> Section:
         )
         for score in scores[:_PROMISING]
     )
-    columns = ("fixed", "unit", "at|", "better at|", "chi2 falls by|", "by chance|")
+    columns = ("fixed", "unit", "value|", "better|", "chi2 falls by|", "p|")
     sentences = (
-        "To first order, all free parameters following (a score test). Far steps promise more than they hold: free the "
-        "parameter and fit anew.",
+        "A score test: to first order, with all free parameters following. p: how often chance alone lowers chi2 as "
+        "much. A long step keeps less than it promises: free the parameter and fit again.",
     )
     return Section("Fixed parameters that, freed, would lower chi2 most", columns, rows, sentences if rows else ())
 
@@ -309,7 +309,7 @@ def profile_section(profiles: Mapping[str, Profile], free: Free, u: Uncertainty)
         rows.append((name, f"{low} .. {high}", _interval(u, i), _unit(free.freedoms[i].symbol.unit)))
     columns = ("parameter", "by profile|", f"as in the table, {CONFIDENCE:.0%}|", "unit")
     is_open = any(end for profile in profiles.values() for end in profile.is_open)
-    sentences = ("Open: up to the bound, chi2 does not rise so far.",) if is_open else ()
+    sentences = ("Open: chi2 does not rise so far up to the bound.",) if is_open else ()
     return Section("Profile-likelihood intervals", columns, tuple(rows), sentences)
 
 

@@ -285,18 +285,15 @@ class Fit:
                 f"{u.degrees_of_freedom:.4g} degrees of freedom): the model, or the errors, are wrong, and "
                 "the intervals, which believe them, are too narrow."
             )
-        for curve in self.curves:
-            if curve.grade == "missed":
-                share = f" and {curve.inside():.0%} of the samples within" if curve.is_band else ""
-                remarks.append(
-                    f"{curve.condition}, {curve.channel}: {self._miss} {curve.rmse():.3g} (r.m.s.){share}, "
-                    f"silence by {curve.rmse('silence'):.3g}."
-                )
-            if curve.gap > DISAGREEMENT:
-                remarks.append(
-                    f"{curve.condition}, {curve.channel}: soft and hard model differ by {curve.gap:.0%} of the "
-                    "span; trust the hard one, and errors and intervals with care."
-                )
+        if missed := [curve for curve in self.curves if curve.grade == "missed"]:
+            count = f"{len(missed)} of {len(self.curves)} targets {'is' if len(missed) == 1 else 'are'} missed"
+            remarks.append(f"{count}, {self._why_missed}: {_listed(missed)}. The table says by how much.")
+        if apart := [curve for curve in self.curves if curve.gap > DISAGREEMENT]:
+            largest = max(curve.gap for curve in apart)
+            remarks.append(
+                f"Soft and hard model differ, by {largest:.0%} of the span at most: {_listed(apart)}. Curves and grades "
+                "are those of the hard model; errors and intervals, which are those of the soft one, hold less well."
+            )
         if loud := self.stats.get("inhibition_in_noise"):
             threshold = self.model.levels.inhibited_from
             remarks.append(
@@ -306,25 +303,20 @@ class Fit:
             )
         if self.curved:
             remarks.append(
-                f"The curves are nonlinear within the intervals of {', '.join(self.curved)}: take profiles instead."
+                f"The curves are nonlinear within the intervals of {', '.join(self.curved)}: profile-likelihood "
+                "intervals are right there, by profile in the recipe's [uncertainty] or Fit.profile."
             )
         return remarks + sentences(self.uncertainty)
 
     @property
-    def _miss(self) -> str:
-        """How a target that is missed is spoken of: that it cannot be met takes descents that agree."""
-        count = len(self.runs)
+    def _why_missed(self) -> str:
+        """What the search says of targets that are missed: that none can be met takes descents that agree."""
+        descents = f"{self.best_count} of {len(self.runs)} descents"
         if "choice" in self.stats:
-            return "this target was not met by the chosen set, which misses it by"
-        if self.best_count > max(count / 2, 1):
-            return (
-                f"the model cannot meet this target within its bounds, as {self.best_count} of {count} descents agree; "
-                "it misses it by"
-            )
-        return (
-            f"this target was not met, and {self.best_count} of {count} descents ended here, so that a wider search "
-            "may do better; it is missed by"
-        )
+            return "for the candidate was not chosen by its loss"
+        if self.best_count > max(len(self.runs) / 2, 1):
+            return f"and the model cannot meet them within its bounds, as {descents} agree"
+        return f"and a wider search may do better, as {descents} ended here"
 
     @property
     def best_count(self) -> int:
@@ -399,6 +391,14 @@ class Fit:
     @functools.cached_property
     def _loaded_problem(self) -> Problem:
         return self.data(self)  # pyright: ignore[reportOptionalCall]
+
+
+def _listed(curves: Sequence[Curve]) -> str:
+    """The conditions of some curves, each with its channels."""
+    channels: dict[str, dict[str, None]] = {}
+    for curve in curves:
+        channels.setdefault(curve.condition, {})[curve.channel] = None
+    return ", ".join(f"{condition} ({', '.join(names)})" for condition, names in channels.items())
 
 
 def _figures() -> Any:

@@ -124,7 +124,7 @@ def test_commands_take_it_by_name(tmp_path, monkeypatch, capsys):
     assert float(asked[0].parameters.T_de) == pytest.approx(4.5)
 
     assert main(["export", "preset:yue_rind", "--python", str(tmp_path / "robot")]) == 1
-    assert "run the LGMD2 alone" in capsys.readouterr().err
+    assert "run only the LGMD2" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []
 
     assert main(["characterise", "preset:yue"]) == 1

@@ -85,7 +85,7 @@ def test_a_circuit_that_does_not_exist_is_refused(recipe):
     with pytest.raises(ValueError, match="needs the shunt"):
         recipe.with_mechanisms("membrane")
     other = dataclasses.replace(recipe, model=lgmd.YueRindLGMD1())
-    with pytest.raises(ValueError, match="mechanisms are those of an LGMD2"):
+    with pytest.raises(ValueError, match="mechanisms belong to an LGMD2"):
         other.with_mechanisms("size")
 
 
