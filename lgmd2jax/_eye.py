@@ -83,9 +83,7 @@ class Eye:
         if projection == "equidistant":
             return cls(rows, cols, degrees / cols, fps, projection)
         if degrees >= 180:
-            raise ValueError(
-                f"degrees is {degrees:g}; a pinhole sees less than 180 degrees: choose projection = 'equidistant', or fewer"
-            )
+            raise ValueError(f"degrees is {degrees:g}; a pinhole sees less than 180; choose 'equidistant', or fewer")
         focal = cols / 2 / math.tan(math.radians(degrees) / 2)
         return cls(rows, cols, math.degrees(2 * math.atan(0.5 / focal)), fps, projection)
 

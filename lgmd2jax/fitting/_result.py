@@ -291,8 +291,8 @@ class Fit:
         if apart := [curve for curve in self.curves if curve.gap > DISAGREEMENT]:
             largest = max(curve.gap for curve in apart)
             remarks.append(
-                f"Soft and hard model differ, by {largest:.0%} of the span at most: {_listed(apart)}. Curves and grades "
-                "are those of the hard model; errors and intervals, which are those of the soft one, hold less well."
+                f"Soft and hard model differ, by {largest:.0%} of the span at most: {_listed(apart)}. Grades are those "
+                "of the hard model; errors and intervals are those of the soft one, and hold less well."
             )
         if loud := self.stats.get("inhibition_in_noise"):
             threshold = self.model.levels.inhibited_from
