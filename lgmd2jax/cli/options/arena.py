@@ -49,7 +49,8 @@ def add(commands: argparse._SubParsersAction) -> None:
         "--turn",
         choices=("random", "away"),
         default="random",
-        help="where the robot turns at an alarm: to a random side, or away from the side of more evidence by 45 to 135 degrees (default: %(default)s)",
+        help="where the robot turns at an alarm: to a random side, or away from the side of more evidence by 45 to "
+        "135 degrees (default: %(default)s)",
     )
     parser.add_argument("--json", type=Path, metavar="FILE", help="also write the numbers, by detector")
     parser.add_argument("--figure", type=Path, metavar="FILE", help="also draw trajectories in the first arenas")
