@@ -222,8 +222,8 @@ def test_a_calibration_may_stand_in_it(path):
         ),
         (
             lambda content: content.update(mechanisms={"membrane": {"tau_cell": 20}}),
-            "mechanisms has a membrane without the shunt",
-            "mechanisms has a membrane without the shunt",
+            "mechanisms has a membrane, which needs the shunt",
+            "mechanisms has a membrane, which needs the shunt",
         ),
         (
             lambda content: content.update(mechanisms=["lag"]),
