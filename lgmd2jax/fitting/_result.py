@@ -52,7 +52,7 @@ class Fit:
     - `temperatures`: of the descent, the last one being that of `soft` and of the uncertainty.
     - `uncertainty`: errors, intervals, correlations, information criteria, all by linearisation; of counts
       of spikes the intervals by profile likelihood.
-    - `curved`: the parameters within whose intervals the curves are nonlinear, so that a `profile` is needed.
+    - `nonlinear`: the parameters within whose intervals the curves are nonlinear, so that a `profile` is needed.
     - `curves`: target, soft and hard model for every target of every condition.
     - `runs`: the starts that were descended, the best first. `screened`: losses of all points of the search, sorted.
     - `errors`: by channel, the standard error that one frame would have if its neighbours told nothing of it.
@@ -71,7 +71,7 @@ class Fit:
     soft_loss: float
     temperatures: tuple[float, ...]
     uncertainty: Uncertainty
-    curved: tuple[str, ...]
+    nonlinear: tuple[str, ...]
     curves: tuple[Curve, ...]
     runs: tuple[Run, ...]
     screened: tuple[float, ...]
@@ -140,7 +140,7 @@ class Fit:
             variance=u.variance,
             limit=rise_limit(u, confidence),
             step=first_step(u, index),
-            value=lambda z: float(self.free.freedoms[index].value(z)),
+            value=lambda z: float(self.free.parameters[index].value(z)),
         )
 
     def sample(
@@ -178,9 +178,7 @@ class Fit:
 
     def values_of(self, draws: Posterior) -> dict[str, Float[np.ndarray, "chain draw"]]:
         """The draws by parameter, in its own unit."""
-        return {
-            freedom.name: np.asarray(freedom.value(draws.z[..., i])) for i, freedom in enumerate(self.free.freedoms)
-        }
+        return {each.name: np.asarray(each.value(draws.z[..., i])) for i, each in enumerate(self.free.parameters)}
 
     def score_test(self) -> list[Score]:
         """Which fixed parameter, freed, would lower chi2 most, to first order: the best first.
@@ -301,9 +299,9 @@ class Fit:
                 f"brings the inhibition to {loud['share']:.0%} of {threshold}: let "
                 f"{'T_p' if threshold == 'A_ffi' else threshold} rise."
             )
-        if self.curved:
+        if self.nonlinear:
             remarks.append(
-                f"The curves are nonlinear within the intervals of {', '.join(self.curved)}: profile-likelihood "
+                f"The curves are nonlinear within the intervals of {', '.join(self.nonlinear)}: profile-likelihood "
                 "intervals are right there, by profile in the recipe's [uncertainty] or Fit.profile."
             )
         return remarks + sentences(self.uncertainty)
@@ -331,6 +329,12 @@ class Fit:
         return self.best_count
 
     @property
+    def curved(self) -> tuple[str, ...]:
+        """The old name of `nonlinear`."""
+        warn_renamed("Fit.curved", "Fit.nonlinear")
+        return self.nonlinear
+
+    @property
     def status(self) -> tuple[str, ...]:
         """The verdict in a few words each, the first of which says whether the fit is valid."""
         return _report.status(self.result, self.loss, self.uncertainty, self.curves)
@@ -339,8 +343,8 @@ class Fit:
         """The report's sections that have a content."""
         more, u, free, values = supplement or Supplement(), self.uncertainty, self.free, self.values
         head, *sections = (
-            Section(f"Fit: {' | '.join(self.status)}"),
-            _report.free_section(free, values, self.start, u, self.curved),
+            Section(f"Fit: {' | '.join(self.status)}", sentences=_report.warning(self.status)),
+            _report.free_section(free, values, self.start, u, self.nonlinear),
             _report.given_section(free, self.parameters, self.observation, self.channels),
             _report.statistics_section(
                 u, self.curves, self.stats.get("rules", {})

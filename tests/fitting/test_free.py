@@ -34,7 +34,7 @@ def test_the_ends_of_the_box_are_the_bounds(end):
 
 
 def test_declared_scales_say_what_counts_factors():
-    scales = {freedom.name: freedom.scale for freedom in Free(tau1=None, theta2=None, T_s=Linear()).freedoms}
+    scales = {parameter.name: parameter.scale for parameter in Free(tau1=None, theta2=None, T_s=Linear()).parameters}
     assert scales == {"tau1": "log", "theta2": "linear", "T_s": "linear"}
 
 

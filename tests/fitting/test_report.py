@@ -182,16 +182,16 @@ def test_without_standard_errors_a_fit_is_not_valid_and_says_why():
 
 def test_every_free_parameter_stands_with_value_error_interval_unit_start_and_bounds():
     fit = fit_with(THREE, [curve()])
-    for i, freedom in enumerate(fit.free.freedoms):
-        line = row(text(fit), "Free parameters", freedom.name)
+    for i, parameter in enumerate(fit.free.parameters):
+        line = row(text(fit), "Free parameters", parameter.name)
         (match,) = re.finditer(r"(\S+) \+- (\S+)\s+(\S+) \.\. (\S+)", line)
         value, error, low, high = match.groups()
         its_error = fit.uncertainty.standard_errors[i]
-        assert float(value) == pytest.approx(fit.values[freedom.name], abs=0.06 * its_error)
+        assert float(value) == pytest.approx(fit.values[parameter.name], abs=0.06 * its_error)
         assert float(error) == pytest.approx(its_error, rel=0.06)
         np.testing.assert_allclose([float(low), float(high)], fit.uncertainty.intervals[i], atol=0.06 * its_error)
-        assert f"{fit.start[freedom.name]:.4g}" in line
-        assert f"{freedom.low:g} .. {freedom.high:g}" in line
+        assert f"{fit.start[parameter.name]:.4g}" in line
+        assert f"{parameter.low:g} .. {parameter.high:g}" in line
     assert " ms " in row(text(fit), "Free parameters", "tau1")
 
 

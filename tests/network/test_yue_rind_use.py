@@ -86,10 +86,10 @@ def test_a_fit_recovers_its_parameters():
 
 def test_names_of_both_networks_take_the_bounds_of_the_one_that_is_fitted():
     free = lgmd.Free(T_sp=None, k=None)
-    assert free.freedoms[0].high == 0.85
-    assert free.of(lgmd.YueRindParameters).freedoms[0].high == 0.95
+    assert free.parameters[0].high == 0.85
+    assert free.of(lgmd.YueRindParameters).parameters[0].high == 0.95
     assert free.of(lgmd.Parameters) is free
-    assert lgmd.Free(W_I=None, T_sp=None).freedoms[1].high == 0.95
+    assert lgmd.Free(W_I=None, T_sp=None).parameters[1].high == 0.95
     with pytest.raises(ValueError, match="free parameter is"):
         lgmd.Free(W_I=None, theta2=None)
 

@@ -127,7 +127,11 @@ def test_table_1_lets_each_sentence_of_the_paper_count_alike(table1):
 
 
 def test_table_1_is_fitted_within_the_ranges_of_the_paper(table1):
-    ranges = {freedom.name: (freedom.low, freedom.high) for freedom in table1.free.freedoms if freedom.name != "w_bias"}
+    ranges = {
+        parameter.name: (parameter.low, parameter.high)
+        for parameter in table1.free.parameters
+        if parameter.name != "w_bias"
+    }
     assert ranges == {
         "theta1": (0, 0.1),
         "theta2": (1, 6),
