@@ -36,7 +36,7 @@ class Circuit:
         """A random set from the middle of the declared bounds."""
         rng = np.random.default_rng(seed)
         return {
-            each.name: each.low + (parameter.high - parameter.low) * rng.uniform(0.5 - MIDDLE / 2, 0.5 + MIDDLE / 2)
+            each.name: each.low + (each.high - each.low) * rng.uniform(0.5 - MIDDLE / 2, 0.5 + MIDDLE / 2)
             for each in self.free.parameters
         }
 

@@ -141,7 +141,7 @@ class Free:
         if not parameters:
             raise ValueError("free is empty; name at least one parameter")
         self.structure = tuple(
-            Structure(each.name, each.symbol, each.scale, each.prior is not None) for parameter in parameters
+            Structure(each.name, each.symbol, each.scale, each.prior is not None) for each in parameters
         )
         self._tied = tuple((name, tie.to) for name, tie in ties.items())
         self._bounds = np.array([(parameter.low, parameter.high) for parameter in parameters])
