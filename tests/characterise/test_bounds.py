@@ -220,7 +220,14 @@ PINS = [
         5.2,
         lambda x: {trials.translation(direction=180.0): onset(0.3 * (1 - x / 100), 150.0)},
     ),
-    Pin(14, "without adaptation: integral of translation x", 1.52, 1.48, lambda x: {STRAIGHT: onset(0.3 * x, 150.0)}, True),
+    Pin(
+        14,
+        "without adaptation: integral of translation x",
+        1.52,
+        1.48,
+        lambda x: {STRAIGHT: onset(0.3 * x, 150.0)},
+        True,
+    ),
     Pin(14, "without adaptation: peak of the loom x", 1.14, 1.16, lambda x: {trials.REFERENCE: eta(40.0, x)}, True),
     Pin(
         15,
