@@ -104,7 +104,9 @@ def test_an_end_of_an_interval_keeps_its_own_digits():
 
 
 def parts(fit) -> list[str]:
-    return text(fit).split("\n\n")[0].removeprefix("Fit: ").replace("\n", " ").split(" | ")
+    head, _, warning = text(fit).split("\n\n")[0].partition("\n  - ")
+    assert warning.startswith("Not valid: ") == ("NOT VALID" in head)
+    return head.removeprefix("Fit: ").replace("\n", " ").split(" | ")
 
 
 def test_a_good_fit_says_so():

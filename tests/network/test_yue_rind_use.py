@@ -128,7 +128,7 @@ def test_commands_take_it_by_name(tmp_path, monkeypatch, capsys):
     assert list(tmp_path.iterdir()) == []
 
     assert main(["characterise", "preset:yue"]) == 1
-    assert "preset is 'yue'; choose 'yue_rind' or" in capsys.readouterr().err
+    assert "preset is 'yue'; choose 'yue_rind'" in capsys.readouterr().err
     assert float(with_parameters(model_named("preset:yue_rind"), ["T_sp=.8"]).parameters.T_sp) == 0.8
 
 

@@ -202,7 +202,7 @@ def test_frame_rates_and_durations_are_kept(fps):
 
 
 BAD = {
-    "kind": (lambda: stimuli.random_encounter(EYE, KEY, kind="colision"), "kind is 'colision'; choose 'collision' or"),
+    "kind": (lambda: stimuli.random_encounter(EYE, KEY, kind="colision"), "kind is 'colision'; choose 'collision'"),
     "duration": (lambda: stimuli.random_encounter(EYE, KEY, duration_ms=0), "duration_ms is 0 ms; give a positive"),
     "short": (lambda: stimuli.random_encounter(EYE, KEY, duration_ms=40), "duration_ms is 40 at 30 fps"),
     "slow": (lambda: stimuli.random_encounter(Eye(9, 9, 5.0, 3.0), KEY), "fps is 3; give an eye of more than 3 fps"),
