@@ -3,10 +3,12 @@
 python -m benchmarks.kills              60 kills, by SIGKILL and SIGINT in turn, over five commands
 python -m benchmarks.kills --count 10   fewer
 python -m benchmarks.kills --only sweep respond   some of fit, alarms, sweep, respond, export
+python -m benchmarks.kills --signal SIGINT        by one signal alone
 
 Each trial begins with earlier results of the same kind in place, or with none. After the kill every file must be the
 earlier one, the new one, or part of a folder that is marked unfinished and loads; then the command is run again to its
-end, and all of its files must be those of an undisturbed run: to the byte, but for videos.
+end, and all of its files must be those of an undisturbed run: to the byte, but for videos. A SIGINT may come when all
+is written, so that the exit status is 0; a command that goes on for longer than a moment after it has lost it.
 """
 
 import argparse
@@ -31,6 +33,7 @@ import lgmd2jax as lgmd
 from benchmarks._commands import Command, Runner, commands
 
 Files = Mapping[str, bytes]
+_MOMENT = 1.0  # s, which a process may take to end
 
 
 def files_of(folder: Path) -> dict[str, bytes]:
@@ -107,10 +110,15 @@ class Study:
         pid = process.pid if process.is_alive() else None
         if pid is not None:
             os.kill(pid, kind)
+        pressed_at = time.monotonic()
         process.join()
+        after = time.monotonic() - pressed_at
         pressed = kind.name if pid else "ended"
         what = f"{self.command.name:14} {pressed:8} at {share:4.0%}, exit status {process.exitcode:4}"
         faults = []
+        if pid is not None and process.exitcode == 0:
+            what += f" {after:.2f} s after"
+            faults += [f"the signal was lost: it went on for {after:.1f} s"] if after > _MOMENT else []
         if process.exitcode not in (0, 130, -signal.SIGKILL):
             faults.append(f"exit status {process.exitcode}: {self._log.read_text()[-300:]!r}")
         files, earlier = files_of(folder), self._earlier if with_earlier else {}
@@ -138,6 +146,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--count", type=int, default=60)
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--signal", choices=("SIGINT", "SIGKILL"), help="only this one")
     parser.add_argument("--only", nargs="+", default=["fit", "alarms", "sweep", "respond", "export"])
     options = parser.parse_args()
     warnings.simplefilter("ignore")  # of unfinished fits
@@ -152,6 +161,7 @@ def main() -> None:
         for number in range(options.count):
             study = studies[number % len(studies)]
             kind = signal.SIGKILL if number // len(studies) % 2 else signal.SIGINT
+            kind = signal.Signals[options.signal] if options.signal else kind
             what, faults = study.trial(number, kind, chance.uniform(0.05, 1.0))
             bad += bool(faults)
             print(f"{number + 1:3} {what}: {'; '.join(faults) or 'whole, and goes on to the same'}", flush=True)

@@ -85,6 +85,7 @@ def start(name: str, programs: Path) -> Start:
         line = LIGHT.get(name) or ("-c", LISTENER, str(told), *COMMANDS[name])
         environment = os.environ | {"JAX_COMPILATION_CACHE_DIR": str(programs)}
         environment |= {"JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0", "PYTHONPATH": str(ROOT)}
+        environment.pop("PYTHONDONTWRITEBYTECODE", None)  # users' Python keeps what it compiles too
         before, clock = os.times(), time.monotonic()
         process = subprocess.run([sys.executable, *line], cwd=place, env=environment, capture_output=True, text=True)
         wall, after = time.monotonic() - clock, os.times()

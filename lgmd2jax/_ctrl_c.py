@@ -1,20 +1,20 @@
 """What Ctrl-C does: while modules load it ends the process, in one line; later it is an exception that is not lost.
 
 While modules load an exception would be a traceback, and extension modules crash on one amid their set-up, or swallow
-it. Python drops one that is raised in a callback of the garbage collector, and JAX has such a callback.
+it. Python drops one that is raised in a finalizer, or in a callback of the garbage collector, and JAX has such ones.
 """
 
 import _thread
 import contextlib
-import gc
 import os
 import signal
+import sys
 import threading
 from collections.abc import Iterator
-from types import FrameType
+from typing import Any
 
 STOPPED = "stopped; nothing was written"
-_LATER = 0.01  # s, when a collection of garbage is over
+_LATER = 0.01  # s, when a finalizer or a collection of garbage is over
 
 
 def end_on_ctrl_c() -> None:
@@ -36,25 +36,20 @@ def ended_by_ctrl_c() -> Iterator[None]:
 
 @contextlib.contextmanager
 def interrupted_by_ctrl_c() -> Iterator[None]:
-    """Within the block Ctrl-C is a `KeyboardInterrupt`, raised where it reaches whoever waits for it."""
-    if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
-        yield
-        return
-    signal.signal(signal.SIGINT, _interrupt)
+    """Within the block a `KeyboardInterrupt` that Python would drop is raised anew."""
+    before = sys.unraisablehook
+
+    def hook(dropped: Any) -> None:
+        if issubclass(dropped.exc_type, KeyboardInterrupt):
+            threading.Timer(_LATER, _thread.interrupt_main).start()
+        else:
+            before(dropped)
+
+    sys.unraisablehook = hook
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, signal.default_int_handler)
-
-
-def _interrupt(_: int, frame: FrameType | None) -> None:
-    callbacks = {getattr(callback, "__code__", None) for callback in gc.callbacks}
-    while frame is not None:
-        if frame.f_code in callbacks:
-            threading.Timer(_LATER, _thread.interrupt_main).start()
-            return
-        frame = frame.f_back
-    raise KeyboardInterrupt
+        sys.unraisablehook = before
 
 
 def _end(*_: object) -> None:

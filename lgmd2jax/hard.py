@@ -170,8 +170,9 @@ class HardLGMD2:
             raise ValueError("frame is masked; fill what is masked with a grey level first: frame.filled(128)")
         try:
             given = np.asarray(frame)
-            # Before any difference, since uint8 3 - 5 is 254; a copy, since buffers are refilled.
-            frame = np.array(given if given.dtype.kind in "biufO" else None, dtype=float)
+            # Before any difference, since uint8 3 - 5 is 254; a copy, since buffers are refilled; in one order of
+            # pixels, since sums round by it.
+            frame = np.array(given if given.dtype.kind in "biufO" else None, dtype=float, order="C")
         except (TypeError, ValueError, OverflowError):
             raise ValueError(f"frame is a {type(frame).__name__}; give an array of grey levels (row, col)") from None
         self._check_frame(frame)

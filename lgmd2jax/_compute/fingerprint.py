@@ -25,9 +25,10 @@ _INSTALLED = {"site-packages", "dist-packages"}
 def fingerprint(value: Any) -> str:
     """A digest of a value, the same in another process, another one where anything in it differs.
 
-    Of functions count the code, defaults, the variables of enclosing functions, and, of code that no package holds, the
-    globals that it names; of partial functions and bound methods the arguments and the object; of objects their state.
-    What a package holds is known by its name and version.
+    Of functions count the code, defaults, attributes, the variables of enclosing functions, and, of code that no
+    package holds, the globals that it names, also those of other modules; of partial functions and bound methods the
+    arguments and the object; of objects their state and their class. What a package holds is known by its name and
+    version.
 
     **Raises:** `ValueError` for a value whose content cannot be told, such as an open file.
     """
@@ -50,8 +51,10 @@ class _Walk:
 
     def _content(self, value: Any) -> bytes:
         kind = type(value).__qualname__
-        if isinstance(value, (np.ndarray, np.generic, jax.Array)):
+        if type(value) is np.ndarray or isinstance(value, (np.generic, jax.Array)):
             return self._array(value)
+        if isinstance(value, (list, tuple, Mapping)) and not _package(type(value)):
+            return self._object(value)
         if isinstance(value, (list, tuple)):
             return _hash(kind, *map(self.digest, value))
         if isinstance(value, (set, frozenset)):
@@ -66,15 +69,17 @@ class _Walk:
             return self._all((value.__func__, value.__self__))
         if isinstance(value, functools.partial):
             return self._all((value.func, value.args, value.keywords))
+        if isinstance(value, type) and not _package(value):
+            return self._class(value)
         if isinstance(value, (types.ModuleType, type)):
             return _hash(_name(value), _package(value), _source(value))
-        if hasattr(value, "__wrapped__"):  # of jax.jit and functools.wraps
+        if hasattr(value, "__wrapped__") and _package(type(value)):  # of jax.jit and functools.cache
             return self._all((kind, value.__wrapped__))
         if isinstance(value, weakref.ref):
             return self.digest(value())
         if isinstance(value, enum.Enum):
-            return self._all((type(value), value.name))
-        if dataclasses.is_dataclass(value):
+            return self._all((type(value), value.name, value.value))
+        if dataclasses.is_dataclass(value) and _package(type(value)):
             return self._all((type(value), *(getattr(value, field.name, None) for field in dataclasses.fields(value))))
         return self._object(value)
 
@@ -85,7 +90,7 @@ class _Walk:
         if isinstance(value, jax.Array) and jnp.issubdtype(value.dtype, jax.dtypes.prng_key):
             value = jax.random.key_data(value)
         array = np.asarray(value)
-        content = self.digest(array.tolist()) if array.dtype == object else array.tobytes()
+        content = self.digest(array.tolist()) if array.dtype.hasobject else array.tobytes()
         return _hash("array", str(array.dtype), str(array.shape), content)
 
     def _function(self, value: types.FunctionType) -> bytes:
@@ -97,12 +102,21 @@ class _Walk:
                 enclosed.append(cell.cell_contents)
             except ValueError:  # a variable that is not set yet
                 enclosed.append("unset")
-        named = {}
-        if not _package(value):
-            named = {name: value.__globals__[name] for name in _names(value.__code__) if name in value.__globals__}
-        return self._all(
-            (_name(value), _package(value), value.__code__, value.__defaults__, value.__kwdefaults__, enclosed, named)
-        )
+        named = {} if _package(value) else _named(value, enclosed)
+        own = value.__defaults__, value.__kwdefaults__, value.__dict__
+        return self._all((_name(value), _package(value), value.__code__, *own, enclosed, named))
+
+    def _class(self, value: type) -> bytes:
+        """A class of one's own: its bases, its methods, and what else it holds for all its objects."""
+        members = {}
+        for name, member in vars(value).items():
+            method = _method(member)
+            if isinstance(method, types.FunctionType) or not name.startswith(("__", "_abc_")):
+                try:
+                    members[name] = self.digest(method)
+                except ValueError:  # a lock, for example, which no value depends on
+                    members[name] = _name(type(method))
+        return self._all((_name(value), value.__bases__, members))
 
     def _object(self, value: Any) -> bytes:
         """What pickle would keep, or the name of what it keeps by name."""
@@ -118,6 +132,7 @@ class _Walk:
         if isinstance(state, str):
             return _hash(_name(value), _package(value))
         make, arguments, *rest = state
+        rest = [_uncached(part, type(value)) if isinstance(part, dict) else part for part in rest]
         parts = [list(part) if isinstance(part, Iterator) else part for part in rest]
         return self._all((_name(make), arguments, *parts))
 
@@ -134,6 +149,37 @@ def _names(code: types.CodeType) -> set[str]:
     """The globals and attributes that code names, functions within it included."""
     inner = (part for part in code.co_consts if isinstance(part, types.CodeType))
     return set(code.co_names).union(*map(_names, inner))
+
+
+def _named(value: types.FunctionType, enclosed: Iterable[Any]) -> dict[str, Any]:
+    """What a function of one's own finds under the names in its code: globals, also in modules of one's own."""
+    names = sorted(_names(value.__code__))
+    found = {name: value.__globals__[name] for name in names if name in value.__globals__}
+    modules = [each for each in (*found.values(), *enclosed) if isinstance(each, types.ModuleType)]
+    for module in modules:
+        if not _package(module):
+            held = {f"{module.__name__}.{name}": vars(module)[name] for name in names if name in vars(module)}
+            modules += [each for each in held.values() if isinstance(each, types.ModuleType) and each not in modules]
+            found |= held
+    return found
+
+
+def _method(member: Any) -> Any:
+    """The function of a method, also of one of a class or behind a property; else what is given."""
+    if isinstance(member, (classmethod, staticmethod)):
+        return member.__func__
+    if isinstance(member, functools.cached_property):
+        return member.func
+    return member.fget if isinstance(member, property) else member
+
+
+def _uncached(state: dict, kind: type) -> dict:
+    """The state of an object without what its cached properties keep, which follows from the rest."""
+    return {
+        name: value
+        for name, value in state.items()
+        if not isinstance(getattr(kind, str(name), None), functools.cached_property)
+    }
 
 
 def _name(value: Any) -> str:
@@ -167,7 +213,7 @@ _release = functools.cache(version)  # which reads a file at each call
 
 
 def _source(value: Any) -> str:
-    """The text of a class or module of one's own; empty where it cannot be had."""
+    """The text of a module of one's own; empty where it cannot be had."""
     if _package(value):
         return ""
     try:

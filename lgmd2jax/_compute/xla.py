@@ -18,5 +18,5 @@ def set_flags() -> None:
 
     The second flag ends a process whose XLA does not know it, so the releases that do are named.
     """
-    known = version("jaxlib").startswith(("0.8.", "0.9.", "0.10."))
+    known = version("jaxlib").startswith(("0.9.", "0.10."))
     os.environ.setdefault("XLA_FLAGS", FLAGS if known else _WHOLE_LOOPS)

@@ -51,6 +51,9 @@ def drawn(path: str | os.PathLike, width: float | int, height: float | int) -> I
     with style.context(STYLE):
         figure = Figure(figsize=(width, height), layout="constrained")
         yield figure
+        if (layout := figure.get_layout_engine()) is not None:
+            layout.execute(figure)  # else `savefig` would draw all twice, once for the layout alone
+            figure.set_layout_engine(None)
         figure.savefig(path)
 
 

@@ -205,6 +205,9 @@ class AbstractNetwork(eqx.Module):
         - `interval`: ms since the last frame, instead of `fps`, for a camera whose clock jitters or that loses frames.
           The time constants are then right; the change of luminance still is the one between the two frames.
 
+        A buffer of NumPy's may be refilled for each frame. In a `jax.jit` of your own it may not, since JAX reads it
+        later, perhaps after that: give `jnp.array(buffer)`, a copy.
+
         **Raises:** `ValueError` as for a call, and for a frame of another size than the state's.
         """
         frame = _as_pixels(frame, self.parameters.dtype, "frame", "(row, col)", rank=2)

@@ -146,6 +146,9 @@ def _problem(arrays: Arrays, fit: Fit) -> Problem:
         slots = []
         for place, word in enumerate(words):
             values: dict[str, Any] = {name: jnp.asarray(arrays[f"{number}/{place}/{name}"]) for name in _SLOT_ARRAYS}
+            values["thinning"] = values["thinning"].reshape(
+                len(values["scale"]), -1
+            )  # once a number for each condition
             slots.append(Slot(**word, **values))
         own = {name: jnp.asarray(arrays[f"{number}/{name}"]) for name in ("frames", "interval", "time")}
         return Batch(**own, slots=tuple(slots))

@@ -165,12 +165,19 @@ class Target(eqx.Module):
         return tuple(rules)
 
     @property
-    def thinning(self) -> float:
-        """How many values that count make one independent sample, at least 1. For a target at a stimulus's frames."""
-        if self.time is None or self.time.size < 2:
-            return 1.0
+    def thinning(self) -> Float[np.ndarray, " time"]:
+        """For each value, how many as close as its neighbours make one independent sample, at least 1.
+
+        For a target at a stimulus's frames.
+        """
+        thinning, counted = np.ones(self.values.shape), np.flatnonzero(self.weight * np.ones(self.values.shape))
+        if self.time is None or counted.size < 2 or not self.correlation_ms:
+            return thinning
         interval = (self.time[-1] - self.time[0]) / (self.time.size - 1)
-        return max(1.0, float(self.correlation_ms / (interval * self._stride)))
+        apart = np.minimum(interval * np.diff(counted), self.correlation_ms)
+        around = (np.append(apart[:1], apart) + np.append(apart, apart[-1:])) / 2
+        thinning[counted] = self.correlation_ms / around
+        return thinning
 
     @property
     def _stride(self) -> float:

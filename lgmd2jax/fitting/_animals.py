@@ -18,6 +18,7 @@ from jaxtyping import Array
 from tqdm import tqdm
 
 from lgmd2jax._compute.cluster import checked_client, prepare_worker, running_versions
+from lgmd2jax._compute.finished_work import MemoryPart
 from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._reports.digits import measured, plain
 from lgmd2jax._reports.section import Section, as_html, as_text
@@ -189,7 +190,8 @@ def fit_each(
 
     **Arguments:**
 
-    - `model`, `conditions`, `free`, `key` and all further `settings`: as for `fit`.
+    - `model`, `conditions`, `free`, `key` and all further `settings`: as for `fit`; a `memory` holds the work of all
+      animals.
     - `by`: what is fitted by itself.
     - `processes`: how many processes of this machine share in the animals; by default this one fits one animal after
       the other, on all its cores. Programs of one's own then need `if __name__ == "__main__":`.
@@ -198,13 +200,16 @@ def fit_each(
 
     On Ctrl-C the animals that are finished are returned, and the others named in `unfinished`.
 
-    **Raises:** `ValueError`, which names the animal, as `fit`, and for targets none of which knows its animals.
+    **Raises:** `ValueError`, which names the animal, as `fit`, for targets none of which knows its animals, and for a
+    memory where other processes do the fits.
     """
     check_key(key)
     if by != "animal":
         raise ValueError(f"by is {by!r}; give 'animal'")
     if processes is not None and (not isinstance(processes, int) or processes < 1):
         raise ValueError(f"processes is {processes!r}; give a whole number, 1 or more, or None")
+    if settings.get("memory") is not None and not (processes is None and client is None):
+        raise ValueError("memory is kept by this process, and others do the fits; leave out processes or client")
     animals = {name: [pair for _, pair in pairs] for name, pairs in conditions_by_animal(conditions).items()}
     wide = bool(jax.config.read("jax_enable_x64"))
     task = functools.partial(_fit_animal, model, free, wide, {"key": key, **settings})
@@ -267,8 +272,10 @@ def _fit_animal(
     name: str,
     pairs: Sequence[Pair],
 ) -> Fit:
+    memory = settings.get("memory")
+    own = {} if memory is None else {"memory": MemoryPart(memory, f"animal {name}")}
     with jax.enable_x64(wide), within(f"animal {name!r}"):
-        return fit(model, pairs, free, **settings)
+        return fit(model, pairs, free, **{**settings, **own})
 
 
 Run = Callable[..., Callable[[], Fit]]  # takes a task with its arguments, and gives what waits for its result

@@ -33,8 +33,9 @@ Curves = list[list[Float[Array, "_ _"]]]
 class Slot(eqx.Module):
     """One target of each condition of a batch; `scale` is 0 where there is none.
 
-    `low` and `high` are the edges of a band, both of them the values of a curve. `thinning` is how many frames make one
-    independent sample. `exposure` is 0 but for counts of spikes: the time in which they were counted, in s, by weight.
+    `low` and `high` are the edges of a band, both of them the values of a curve. `thinning` is how many frames, each as
+    close to its neighbours as this one, make one independent sample. `exposure` is 0 but for counts of spikes: the time
+    in which they were counted, in s, by weight.
     """
 
     channel: str = eqx.field(static=True)
@@ -42,7 +43,7 @@ class Slot(eqx.Module):
     low: Float[Array, "condition time"]
     high: Float[Array, "condition time"]
     scale: Float[Array, "condition time"]
-    thinning: Float[Array, " condition"]
+    thinning: Float[Array, "condition time"]
     exposure: Float[Array, "condition time"]
 
     def inside(self, curve: Float[Array, "condition time"]) -> Bool[Array, "condition time"]:
@@ -119,7 +120,7 @@ class Problem(Space[AbstractNetwork]):
         Where so many frames make one sample, the square of each counts as that fraction of one.
         """
         rows = [
-            (robust(slot.difference(curve), self.loss) / jnp.sqrt(slot.thinning)[:, None]).ravel()
+            (robust(slot.difference(curve), self.loss) / jnp.sqrt(slot.thinning)).ravel()
             for batch, predicted in zip(self.batches, curves, strict=True)
             for slot, curve in zip(batch.slots, predicted, strict=True)
         ]
@@ -143,7 +144,7 @@ class Problem(Space[AbstractNetwork]):
     def scale(self) -> float:
         """The norm of the factors of all differences."""
         slots = [slot for batch in self.batches for slot in batch.slots]
-        rows = [np.asarray(slot.scale) / np.sqrt(slot.thinning)[:, None] for slot in slots]
+        rows = [np.asarray(slot.scale) / np.sqrt(slot.thinning) for slot in slots]
         return float(np.linalg.norm(np.concatenate([row.ravel() for row in rows])))
 
     @property
@@ -168,14 +169,15 @@ class Problem(Space[AbstractNetwork]):
         for batch in self.batches:
             for slot in batch.slots:
                 for scale, thinning in zip(np.asarray(slot.scale), np.asarray(slot.thinning), strict=True):
-                    scales.setdefault(slot.channel, []).append(scale[scale > 0] / np.sqrt(thinning * stride(scale)))
+                    each = scale / np.sqrt(thinning * stride(scale))
+                    scales.setdefault(slot.channel, []).append(each[scale > 0])
         noise = max(float(np.sqrt(variance)), 1e-9)  # a twin without noise has none
         return {channel: noise / float(np.median(np.concatenate(rows))) for channel, rows in scales.items()}
 
     def samples(self) -> float:
         """How many independent samples the targets hold."""
         slots = (jax.tree.map(np.asarray, slot) for batch in self.batches for slot in batch.slots)
-        return sum(float(((slot.scale > 0).sum(axis=1) / slot.thinning).sum()) for slot in slots)
+        return sum(float(((slot.scale > 0) / slot.thinning).sum()) for slot in slots)
 
     @property
     def has_counts(self) -> bool:
@@ -194,18 +196,18 @@ class Problem(Space[AbstractNetwork]):
                     counts, means = np.asarray(slot.low * slot.exposure), np.asarray(slot.means(curve))
                     total += minus_two_log_likelihood(counts[counted], means[counted])
                 else:
-                    total += float(jnp.square(slot.difference(curve) / jnp.sqrt(slot.thinning)[:, None]).sum())
+                    total += float(jnp.square(slot.difference(curve) / jnp.sqrt(slot.thinning)).sum())
         return total
 
     def samples_inside(self, curves: Curves) -> float | None:
         """How many of them lie within a band; None where no target is one."""
         rows = [
-            ((slot.scale > 0) & slot.inside(curve), slot.thinning)
+            ((slot.scale > 0) & slot.inside(curve)) / slot.thinning
             for batch, predicted in zip(self.batches, curves, strict=True)
             for slot, curve in zip(batch.slots, predicted, strict=True)
             if np.any(np.asarray(slot.low) < np.asarray(slot.high))
         ]
-        return sum(float((inside.sum(axis=1) / thinning).sum()) for inside, thinning in rows) if rows else None
+        return sum(float(row.sum()) for row in rows) if rows else None
 
 
 def chi2_residuals(problem: Problem, temperature: float, variance: float) -> Partial:
@@ -267,11 +269,12 @@ def _batch(members: Sequence[tuple[Stimulus, Sequence[Target]]]) -> tuple[Batch,
             columns_of[row].append(column)
             columns.setdefault(column, [None] * len(members))[row] = target
 
-    empty = [np.zeros(len(stimulus.frames)) for stimulus, _ in members]
-
-    def rows(column, values_of):
-        targets = zip(column, empty, strict=True)
-        return padded([none if target is None else values_of(target) for target, none in targets])
+    def rows(column, values_of, fill=0.0):
+        targets = zip(column, members, strict=True)
+        rows = [
+            np.full(len(each.frames), fill) if target is None else values_of(target) for target, (each, _) in targets
+        ]
+        return padded(rows, constant_values=fill)
 
     slots = [
         Slot(
@@ -280,7 +283,7 @@ def _batch(members: Sequence[tuple[Stimulus, Sequence[Target]]]) -> tuple[Batch,
             rows(column, lambda target: target.values),
             rows(column, lambda target: target.values if target.upper is None else target.upper),
             rows(column, lambda target: target.scale),
-            jax.device_put(np.array([1.0 if target is None else target.thinning for target in column])),
+            rows(column, lambda target: target.thinning, fill=1.0),
             rows(
                 column,
                 lambda target: (

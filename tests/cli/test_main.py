@@ -236,21 +236,31 @@ def test_ctrl_c_in_a_command_is_one_line_and_leaves_the_handler(monkeypatch, cap
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals are for POSIX systems")
-def test_ctrl_c_amid_a_collection_of_garbage_is_not_lost():
-    """Python ignores what a callback of its collector raises; JAX has one, which took a Ctrl-C of a sweep."""
+@pytest.mark.parametrize(
+    "where",
+    ["gc.callbacks.append(press); gc.collect()", "Finalized()", "weakref.ref(Plain(), press)"],
+    ids=["collection", "finalizer", "weak reference"],
+)
+def test_ctrl_c_where_python_drops_exceptions_is_not_lost(where):
+    """JAX has a callback of the collector, which took a Ctrl-C of a sweep."""
     program = """
-import gc, os, signal, sys, time
+import gc, os, signal, sys, time, weakref
 signal.signal(signal.SIGINT, signal.default_int_handler)
 from lgmd2jax.cli import export, main
 
-def callback(phase, info):
-    if phase == "start" and not pressed:
+def press(*_):
+    if not pressed:
         pressed.append(True)
         os.kill(os.getpid(), signal.SIGINT)
 
+class Plain:
+    pass
+
+class Finalized:
+    __del__ = press
+
 def run(options):
-    gc.callbacks.append(callback)
-    gc.collect()
+    WHERE
     for _ in range(1000):
         time.sleep(0.01)
     print("it went on")
@@ -259,7 +269,7 @@ pressed, export.run = [], run
 sys.argv = ["lgmd2jax", "export", "preset:lgmd2", "--python", "nowhere"]
 raise SystemExit(main())
 """
-    process = in_a_process(program)
+    process = in_a_process(program.replace("WHERE", where))
     assert (process.returncode, process.stdout) == (130, "")
     assert process.stderr == "lgmd2jax: stopped; nothing was written\n"
 

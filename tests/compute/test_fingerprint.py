@@ -1,9 +1,12 @@
 """A store is recognised by what its stimulus does: code and all that it captured."""
 
+import enum
 import functools
 import os
 import subprocess
 import sys
+import threading
+import types
 from typing import Any
 
 import equinox as eqx
@@ -53,6 +56,16 @@ class Screen:
         return self(eye, contrast=contrast)
 
 
+class Kept(Screen):
+    """The same with a property that is computed once."""
+
+    lock = threading.Lock()
+
+    @functools.cached_property
+    def twice(self):
+        return 2 * self.background
+
+
 class Slotted:
     """The same without a dictionary."""
 
@@ -70,8 +83,78 @@ def decorated(background):
     return renderer
 
 
+def of_a_class(background):
+    class Local:
+        def __call__(self, eye, *, contrast):
+            return renders(eye, contrast=contrast, background=background)
+
+    return Local()
+
+
+def of_a_class_attribute(background):
+    class Base:
+        level = background
+
+    class Local(Base):
+        def show(self, eye, *, contrast):
+            return renders(eye, contrast=contrast, background=self.level)
+
+    return Local().show
+
+
+def of_a_property(background):
+    class Local:
+        @property
+        def level(self):
+            return background
+
+    return Local()
+
+
+def of_a_static_method(background):
+    class Local:
+        @staticmethod
+        def show(eye, *, contrast):
+            return renders(eye, contrast=contrast, background=background)
+
+    return Local
+
+
+def with_an_attribute(background):
+    def renderer(eye, *, contrast):
+        return renders(eye, contrast=contrast, background=vars(renderer)["level"])
+
+    vars(renderer)["level"] = background
+    return renderer
+
+
+class Decorated(Screen):
+    """A decorator with a state of its own."""
+
+    def __init__(self, background):
+        functools.update_wrapper(self, renders)
+        super().__init__(background)
+
+
+class Listed(list):
+    """A list with a state of its own."""
+
+    def __init__(self, background):
+        super().__init__([1.0])
+        self.background = background
+
+
 MAKERS = [
     enclosed,
+    of_a_class,
+    of_a_class_attribute,
+    of_a_property,
+    of_a_static_method,
+    with_an_attribute,
+    Decorated,
+    Listed,
+    lambda level: np.ma.masked_array([1.0, 2.0], [level > 100, False]),
+    lambda level: enum.Enum("Background", {"level": level}).level,
     with_default,
     decorated,
     Screen,
@@ -110,6 +193,27 @@ def test_globals_count_as_far_as_they_are_named(monkeypatch):
     monkeypatch.setattr(f"{__name__}.LEVEL", 60.0)
     assert fingerprint(of_a_global) != before
     assert fingerprint(renders) == other
+
+
+def test_variables_of_other_modules_of_ones_own_count():
+    settings, inner = types.ModuleType("settings_of_mine"), types.ModuleType("settings_of_mine.inner")
+    vars(settings)["inner"] = inner
+    vars(inner)["level"] = 200.0
+
+    def renderer(eye, *, contrast):
+        return renders(eye, contrast=contrast, background=settings.inner.level)
+
+    before = fingerprint(renderer)
+    assert fingerprint(renderer) == before
+    vars(inner)["level"] = 60.0
+    assert fingerprint(renderer) != before
+
+
+def test_what_is_kept_of_a_property_does_not_count():
+    screen = Kept(200.0)
+    before = fingerprint(screen)
+    assert screen.twice == 400.0
+    assert fingerprint(screen) == before
 
 
 def test_values_that_look_alike_differ():

@@ -63,6 +63,23 @@ def test_each_animal_has_a_fit_of_its_own(monkeypatch, untyped):
         lgmd.fit_each(lgmd.LGMD2(), [(LOOM, trains("a"))], FREE, key=KEY, by="cell")  # pyright: ignore[reportArgumentType]
 
 
+def test_a_memory_holds_the_work_of_all_animals(monkeypatch, untyped):
+    """In place of the fit: what it keeps."""
+
+    def fit(model, conditions, free, *, memory, **settings):
+        (_, (target,)) = conditions[0]
+        assert not memory
+        memory["start"] = target.animals
+        return fit_with(FREE, [curve()])
+
+    monkeypatch.setattr(_animals, "fit", fit)
+    arguments, memory = (lgmd.LGMD2(), [(LOOM, trains("a", "b"))], FREE), {}
+    lgmd.fit_each(*arguments, key=KEY, memory=memory)
+    assert memory == {"animal a: start": ("a",), "animal b: start": ("b",)}
+    with pytest.raises(ValueError, match="memory is kept by this process"):
+        lgmd.fit_each(*arguments, key=KEY, memory=memory, processes=2)
+
+
 def test_the_population_is_that_of_random_effects_on_the_scale_of_the_fit(fits):
     z = np.array([fit.z[0] for fit in fits.fits.values()])
     errors = np.array([np.sqrt(fit.uncertainty.covariance_z[0, 0]) for fit in fits.fits.values()])

@@ -74,14 +74,15 @@ def test_it_at_another_rate_warns(path):
 
 @pytest.mark.parametrize("name", ["plain", "rich"])
 def test_a_buffer_may_be_filled_again(path, others, name):
-    """As by a camera's driver, in the dtype in which no conversion makes a copy."""
+    """As by a camera's driver, in the dtype in which no conversion makes a copy, however the pixels lie in it."""
     file = path if name == "plain" else others / "rich.json"
-    model, fresh = hard.load(file), hard.load(file)
     frames = clips.loom(shape=(20, 15, 17))
-    buffer = np.empty_like(frames[0])
-    for frame in frames:
-        buffer[:] = frame
-        assert model.step(buffer) == fresh.step(frame.copy())
+    for buffer in (np.empty_like(frames[0]), np.empty((15, 17), order="F"), np.empty((30, 34, 3))[::-2, ::2, 1]):
+        model, fresh = hard.load(file), hard.load(file)
+        for frame in frames:
+            buffer[:] = frame
+            assert model.step(buffer) == fresh.step(frame.copy())
+            buffer[:] = 0
     assert model(frames).mp.max() > 1000
 
 

@@ -208,9 +208,10 @@ def maps_carried(function, *arguments, size=WITH_BORDER):
     def scans(jaxpr):
         for equation in jaxpr.eqns:
             if equation.primitive.name == "scan":
-                first = equation.params["num_consts"]
-                carried = equation.invars[first : first + equation.params["num_carry"]]
-                yield sum(math.prod(variable.aval.shape) // size for variable in carried)
+                outputs = zip(equation.outvars, equation.params["jaxpr"].jaxpr.outvars, strict=True)
+                # What is stacked has one axis more than what a step returns.
+                carried = [math.prod(last.aval.shape) for last, own in outputs if last.aval.shape == own.aval.shape]
+                yield sum(each // size for each in carried)
             for inner in jax.tree.leaves(list(equation.params.values()), is_leaf=lambda it: hasattr(it, "eqns")):
                 inner = getattr(inner, "jaxpr", inner)
                 if hasattr(inner, "eqns"):

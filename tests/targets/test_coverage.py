@@ -23,13 +23,13 @@ def covered(rng, count, fps, shift, absolute):
     stimulus = Stimulus(jnp.zeros((frames.size, 3, 3)), fps, jnp.asarray(frames))
     values = basis(time) @ TRUTH + NOISE * rng.normal(size=count)
     target = lgmd.Target("rate", values, time, error=NOISE if absolute else None, interpolate=True).on(stimulus)
-    scale, jacobian = np.asarray(target.scale), basis(frames)
+    scale, jacobian = np.array(target.scale), basis(frames)
     counted = scale > 0
-    root = np.sqrt(target.thinning)
-    rows, right = jacobian[counted] * scale[counted, None] / root, target.values[counted] * scale[counted] / root
+    scale /= np.sqrt(target.thinning)
+    rows, right = jacobian[counted] * scale[counted, None], target.values[counted] * scale[counted]
     best, *_ = np.linalg.lstsq(rows, right)
     size = np.array([50.0, 200.0])
-    samples = counted.sum() / target.thinning
+    samples = np.sum(counted / target.thinning)
     settings = {"n_effective": samples, "absolute": absolute, "priors": 0}
     u = linearised_uncertainty(
         ("a", "b"), best / size, lambda z: z * size, size, rows * size, rows @ best - right, **settings

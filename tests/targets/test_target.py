@@ -20,7 +20,7 @@ def test_a_value_a_frame():
     np.testing.assert_array_equal(target.time, FRAMES)
     np.testing.assert_array_equal(target.scale, np.full(11, 2.0))
     assert not target.has_error
-    assert target.thinning == 1
+    np.testing.assert_array_equal(target.thinning, 1)
 
 
 def test_what_stands_on_the_frames_stays_there():
@@ -85,7 +85,7 @@ def test_there_are_no_more_samples_than_values_and_than_frames(spacing):
         target = Target("rate", np.sin(time / 500), time, interpolate=True).on(stimulus)
         counted = np.count_nonzero(target.weight)
         inside = np.count_nonzero((frames >= time[0]) & (frames <= time[-1]))
-        assert target.thinning == 1
+        np.testing.assert_array_equal(target.thinning, 1)
         assert abs(counted - min(len(time), inside)) <= 1
         np.testing.assert_allclose(target.values[target.weight > 0], np.sin(frames / 500)[target.weight > 0], atol=6e-3)
 
@@ -100,8 +100,9 @@ def test_nine_values_a_hundred_ms_apart_are_nine_samples():
     )
     # Behind a kernel of 71 ms such values are nearly independent; of every frame there were 7.1 to a sample.
     correlated = Target("rate", np.arange(9.0), np.arange(9) * 100.0, interpolate=True, correlation_ms=71)
-    assert correlated.on(stimulus).thinning == 1
-    assert Target("rate", np.arange(81.0), correlation_ms=71).on(stimulus).thinning == pytest.approx(7.1)
+    np.testing.assert_array_equal(correlated.on(stimulus).thinning, 1)
+    every = Target("rate", np.arange(81.0), correlation_ms=71).on(stimulus)
+    np.testing.assert_allclose(every.thinning, 7.1)
 
 
 def test_an_error_goes_before_the_recorded_one():
@@ -132,8 +133,24 @@ def test_standard_errors_of_zero_throughout_tell_nothing():
 
 
 def test_thinning_counts_the_frames_of_a_sample():
-    assert Target("rate", CURVE, correlation_ms=71).on(STIMULUS).thinning == pytest.approx(7.1)
-    assert Target("rate", CURVE, correlation_ms=4).on(STIMULUS).thinning == 1
+    np.testing.assert_allclose(Target("rate", CURVE, correlation_ms=71).on(STIMULUS).thinning, 7.1)
+    np.testing.assert_array_equal(Target("rate", CURVE, correlation_ms=4).on(STIMULUS).thinning, 1)
+
+
+def test_values_of_uneven_spacing_count_by_their_own_neighbours():
+    """Far apart each is a sample; in a run of close ones a span makes one; beside a gap half of each."""
+    frames = np.arange(-600.0, 201.0, 10.0)
+    stimulus = Stimulus(jnp.zeros((frames.size, 3, 3)), 100.0, jnp.asarray(frames))
+
+    def samples(time):
+        target = Target("rate", np.ones(len(time)), time, interpolate=True, correlation_ms=100).on(stimulus)
+        return np.sum((target.weight > 0) / target.thinning)
+
+    far, close = np.arange(-600.0, 0.0, 100.0), np.arange(0.0, 201.0, 10.0)
+    assert samples(far) == 6
+    assert samples(close) == pytest.approx(2.1)
+    assert samples(np.concatenate([far, close])) == pytest.approx(6 + 2.1 + (100 - 10) / 2 / 100)
+    assert samples([0.0]) == 1
 
 
 def test_rounded_times_are_those_of_the_frames():
@@ -254,8 +271,8 @@ def test_a_weighting_takes_the_place_of_the_targets_own():
     own = Target("rate", CURVE, sem=np.zeros(11), correlation_ms=100)
     target = Weighted(own, error=4, correlation_ms=50).on(STIMULUS)
     np.testing.assert_array_equal(target.scale, 0.25)
-    assert target.thinning == 5
-    assert Weighted(own, error=4).on(STIMULUS).thinning == 10
+    np.testing.assert_array_equal(target.thinning, 5)
+    np.testing.assert_array_equal(Weighted(own, error=4).on(STIMULUS).thinning, 10)
     assert Weighted(Target("rate", CURVE, error=2), weight=4).on(STIMULUS).scale[0] == 1
 
 
