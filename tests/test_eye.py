@@ -33,7 +33,7 @@ def test_paper_is_a_screen_in_pixels_that_refuses_degrees():
     eye = Eye.preset("paper")
     assert (eye.rows, eye.cols, eye.degrees_per_pixel) == (240, 320, None)
     for ask in (lambda: eye.project(1.0), eye.angles, lambda: eye.field_of_view, lambda: eye.pixels_per_degree):
-        with pytest.raises(ValueError, match="pixels alone"):
+        with pytest.raises(ValueError, match="has no degrees_per_pixel"):
             ask()
 
 

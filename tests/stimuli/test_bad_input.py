@@ -44,7 +44,7 @@ BAD = {
     "size": ("translating", {"size": -1}, "size is -1 degrees"),
     "a size beyond the field": ("translating", {"size": 70}, "size makes an object of 14 px, beyond the field of 12"),
     "speed": ("translating", {"speed": 0}, "speed is 0 deg/s"),
-    "end before start": ("translating", {"start": 10, "stop": -10}, "stop must lie beyond"),
+    "end before start": ("translating", {"start": 10, "stop": -10}, "start is 10 and stop -10; swap them"),
     "profile": ("translating", {"profile": "acelerating"}, "choose 'accelerating'"),
     "half of a distance": ("translating", {"distance_cm": 30}, "distance_cm is given without size_cm"),
     "near": ("translating", {"distance_cm": 1, "size_cm": 9, "speed_cm_s": 9}, "size_cm makes an object"),
@@ -80,7 +80,7 @@ def test_misuse_is_refused_in_one_line(family, arguments, message):
 @pytest.mark.usefixtures("untyped")
 @pytest.mark.parametrize("family", ["looming", "receding", "translating", "elongating", "turning", "grating"])
 def test_degrees_are_refused_on_a_screen_in_pixels(family):
-    with pytest.raises(ValueError, match="pixels alone"):
+    with pytest.raises(ValueError, match="has no degrees_per_pixel"):
         stimuli.FAMILIES[family](SCREEN)
 
 
