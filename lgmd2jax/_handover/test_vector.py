@@ -87,9 +87,11 @@ class _Trial:
     def _changes(self, tolerance, name, value):
         """Whether the response is another one with this threshold: looked at up to the first frame that differs."""
         allowed = [tolerance * largest for largest in self._largest]
-        steps = zip(self._steps({name: value}), self._moments, strict=True)
-        moments = (zip(now, expected, allowed, strict=False) for now, expected in steps)
-        return any(not abs(value - wanted) <= most for moment in moments for value, wanted, most in moment)
+        for now, expected in zip(self._steps({name: value}), self._moments, strict=True):
+            for channel, wanted, most in zip(now, expected, allowed, strict=False):
+                if not abs(channel - wanted) <= most:
+                    return True
+        return False
 
     def is_clear(self) -> bool:
         """Whether no rounding can carry a value across a threshold.

@@ -17,10 +17,10 @@ from lgmd2jax._compute.traced_once import traced_once
 from lgmd2jax._eye import Eye
 from lgmd2jax._types import Map
 from lgmd2jax.stimuli import _texture as texture
+from lgmd2jax.stimuli._pieces import in_pieces
 
 OBJECTS = 4  # in every scene; what is not wanted stands behind the camera
 _FINER = 2  # rays for each pixel of the eye, in rows and in columns
-_BLOCK = 16  # frames that are drawn together
 _TEXELS = 64  # of a side of a surface's pattern
 _PER_PHOTOGRAPH = 4  # patterns
 _FAR = 1e4  # m
@@ -106,15 +106,7 @@ def draw(eye: Eye, scene: Scene, motion: Motion) -> Float[np.ndarray, "time row_
     """The frames in light that is not clipped, on a raster `_FINER` times as fine as the eye's."""
     degrees = None if eye.degrees_per_pixel is None else eye.degrees_per_pixel / _FINER
     finer = dataclasses.replace(eye, rows=_FINER * eye.rows, cols=_FINER * eye.cols, degrees_per_pixel=degrees)
-    count = len(motion.camera.yaw)
-    # Blocks of one length, so that films of any length share what is compiled; the last frame is held.
-    blocks = [np.minimum(np.arange(start, start + _BLOCK), count - 1) for start in range(0, count, _BLOCK)]
-    drawn = [np.asarray(_draw(finer, scene, _moments(motion, block))) for block in blocks]
-    return np.concatenate(drawn)[:count]
-
-
-def _moments(motion: Motion, frames: Int[np.ndarray, " block"]) -> Motion:
-    return jax.tree.map(lambda course: course[frames], motion)
+    return np.asarray(in_pieces(_draw, finer, motion, scene))
 
 
 def coarse(frames: Real[np.ndarray, "time row col"]) -> Float[np.ndarray, "time _row _col"]:
@@ -144,7 +136,7 @@ def patterns() -> Float[np.ndarray, "pattern texel texel"]:
 
 
 @traced_once
-def _draw(eye: Eye, scene: Scene, motion: Motion) -> Float[Array, "time row col"]:
+def _draw(eye: Eye, motion: Motion, scene: Scene) -> Float[Array, "time row col"]:
     azimuth, elevation = (jnp.radians(grid).astype(jnp.float32) for grid in eye.angles())
     rays = jnp.stack([jnp.sin(azimuth) * jnp.cos(elevation), jnp.sin(elevation), jnp.cos(azimuth) * jnp.cos(elevation)])
     from_below = jnp.linspace(1, 0, eye.rows, dtype=jnp.float32)[:, None]

@@ -10,6 +10,7 @@ from lgmd2jax._eye import Eye
 from lgmd2jax._types import Scalar, is_concrete
 from lgmd2jax.stimuli._arguments import number, one_of, positive
 from lgmd2jax.stimuli._family import family
+from lgmd2jax.stimuli._pieces import in_pieces
 from lgmd2jax.stimuli._stimulus import Sketch, frame_times
 from lgmd2jax.stimuli._units import (
     CyclesPerDegree,
@@ -76,7 +77,9 @@ def grating(
     duration = positive("duration_ms", duration_ms, Milliseconds)
     time = frame_times(eye, start_ms, end_ms, 0.0, duration)
     drift = rate * jnp.clip(time, 0, duration) / 1000
-    return Sketch(time, lambda: (_stripes(eye, time, drift, wave, mean, contrast, waveform), {"drift_cycles": drift}))
+    return Sketch(
+        time, lambda: (in_pieces(_stripes, eye, (time, drift), wave, mean, contrast, waveform), {"drift_cycles": drift})
+    )
 
 
 def _wave_per_px(eye: Eye, spatial_frequency: CyclesPerDegree, cycles: CyclesPerImage | None) -> Scalar:
@@ -113,7 +116,7 @@ _WAVEFORMS = {"sine": _sine, "square": _square}
 
 
 @traced_once
-def _stripes(eye: Eye, time, drift, wave, mean, contrast, waveform: str) -> Float[Array, "time row col"]:
+def _stripes(eye: Eye, moments, wave, mean, contrast, waveform: str) -> Float[Array, "time row col"]:
     right, up = eye.pixel_centres()
     stripes = _WAVEFORMS[waveform](wave[0] * right + wave[1] * up, wave)
 
@@ -121,4 +124,4 @@ def _stripes(eye: Eye, time, drift, wave, mean, contrast, waveform: str) -> Floa
         time, drift = now
         return mean * (1 + contrast * jnp.where(time < 0, 0, stripes(drift)))
 
-    return jax.lax.map(frame, (time, drift))
+    return jax.lax.map(frame, moments)

@@ -3,7 +3,7 @@
 import jax.numpy as jnp
 
 from lgmd2jax._eye import Eye
-from lgmd2jax._types import Scalar, Times
+from lgmd2jax._types import Scalar
 from lgmd2jax.stimuli._approach import Approach, approach_from
 from lgmd2jax.stimuli._arguments import number
 from lgmd2jax.stimuli._background import Background
@@ -24,15 +24,14 @@ from lgmd2jax.stimuli._units import (
 
 
 class _InApproach(Trajectory):
-    """An object that is in each frame where its approach is `at` a time, moved to the `right` and `up`."""
+    """An object that is where its approach is, moved to the `right` and `up`."""
 
     approach: Approach
-    at: Times
     right: Scalar
     up: Scalar
 
     def __call__(self, eye, time):
-        right, up, sizes = self.approach(eye, self.at)
+        right, up, sizes = self.approach(eye, time)
         return boxes_around(right + self.right, up + self.up, sizes["radius_px"]), sizes
 
 
@@ -113,7 +112,7 @@ def looming(
     centre = place(eye, azimuth, elevation)
     begin, end = approach.events()
     time = frame_times(eye, start_ms, end_ms, begin, end)
-    return sketch_object(eye, time, ground, look, _InApproach(approach, time, *centre))
+    return sketch_object(eye, time, ground, look, _InApproach(approach, *centre))
 
 
 @family
@@ -165,7 +164,7 @@ def receding(
     centre = place(eye, azimuth, elevation)
     begin, end = approach.events()
     time = frame_times(eye, start_ms, end_ms, jnp.zeros_like(begin), end - begin)
-    return sketch_object(eye, time, ground, look, _InApproach(approach, end - jnp.maximum(time, 0), *centre))
+    return sketch_object(eye, time, ground, look, _InApproach(approach, *centre), at=end - jnp.maximum(time, 0))
 
 
 @family
@@ -222,4 +221,4 @@ def approach_recession(
     turn = end + hold / 2
     time = frame_times(eye, start_ms, end_ms, begin, 2 * turn - begin)
     folded = turn - jnp.abs(time - turn)
-    return sketch_object(eye, time, ground, look, _InApproach(approach, folded, *centre))
+    return sketch_object(eye, time, ground, look, _InApproach(approach, *centre), at=folded)

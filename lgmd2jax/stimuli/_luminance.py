@@ -14,14 +14,13 @@ from lgmd2jax.stimuli._units import GreyLevel, Milliseconds, ShareOfField, Weber
 
 
 class _Middle(Trajectory):
-    """A part of the field around its centre, of its own form, `side` times as high and wide, and its grey `level`."""
+    """A part of the field around its centre, of its own form, `side` times as high and wide."""
 
     side: Scalar
-    level: Times
 
     def __call__(self, eye, time):
         across, up = self.side * eye.cols / 2, self.side * eye.rows / 2
-        return jnp.tile(jnp.stack([-across, across, -up, up]), (time.size, 1)), {"level": self.level}
+        return jnp.tile(jnp.stack([-across, across, -up, up]), (time.size, 1)), {}
 
 
 @family
@@ -57,7 +56,8 @@ def luminance(
     hold = None if hold_ms is None else number("hold_ms", hold_ms, Milliseconds, 0)
     time = frame_times(eye, start_ms, end_ms, 0.0, ramp if hold is None else 2 * ramp + hold)
     levels = _levels(time, ground.level, target, ramp, hold)
-    return sketch_object(eye, time, ground, Look(levels, levels), _Middle(side, levels))
+    sketch = sketch_object(eye, time, ground, Look(levels, levels), _Middle(side))
+    return Sketch(time, lambda: (sketch.draw()[0], {"level": levels}))
 
 
 @jax.jit

@@ -1,6 +1,7 @@
 """An object before a background, drawn frame by frame."""
 
 import abc
+from typing import NamedTuple
 
 import equinox as eqx
 import jax
@@ -13,6 +14,7 @@ from lgmd2jax._types import Scalar, Times, is_concrete
 from lgmd2jax.stimuli import _shapes as shapes
 from lgmd2jax.stimuli._arguments import number, one_of
 from lgmd2jax.stimuli._background import Background, Uniform
+from lgmd2jax.stimuli._pieces import in_pieces
 from lgmd2jax.stimuli._stimulus import Courses, Frames, Sketch
 from lgmd2jax.stimuli._units import Degrees, GreyLevel, WeberContrast
 
@@ -98,20 +100,42 @@ def boxes_around(right: Times, up: Times, half: Times) -> Boxes:
     return jnp.stack([right - half, right + half, up - half, up + half], axis=1)
 
 
-def sketch_object(eye: Eye, time: Times, background: Background, look: Look, trajectory: Trajectory) -> Sketch:
-    """An object on its trajectory, to be drawn with each pixel the mean over what its area sees."""
-    return Sketch(time, lambda: _draw(eye, time, background, look, trajectory))
+def sketch_object(
+    eye: Eye, time: Times, background: Background, look: Look, trajectory: Trajectory, at: Times | None = None
+) -> Sketch:
+    """An object on its trajectory, to be drawn with each pixel the mean over what its area sees.
+
+    **Arguments:** `at`: the time on the trajectory in each frame, by default the frame's own.
+    """
+    changing, lasting = eqx.partition(look, lambda leaf: leaf.ndim == 1)
+    moments = _Moments(time, time if at is None else at, changing)
+    return Sketch(time, lambda: in_pieces(_draw, eye, moments, background, lasting, trajectory))
+
+
+def film(eye: Eye, time: Times, background: Background) -> Frames:
+    """The background alone."""
+    return in_pieces(_paint, eye, time, background)
 
 
 @traced_once
-def film(eye: Eye, time: Times, background: Background) -> Frames:
-    """The background alone."""
+def _paint(eye: Eye, time: Times, background: Background) -> Frames:
     return jax.lax.map(background.painter(eye), time)
 
 
+class _Moments(NamedTuple):
+    """What differs from frame to frame: of a look that changes, the levels."""
+
+    time: Times
+    at: Times
+    look: Look
+
+
 @traced_once
-def _draw(eye: Eye, time: Times, background: Background, look: Look, trajectory: Trajectory) -> tuple[Frames, Courses]:
-    bounds, courses = trajectory(eye, time)
+def _draw(
+    eye: Eye, moments: _Moments, background: Background, lasting: Look, trajectory: Trajectory
+) -> tuple[Frames, Courses]:
+    time, look = moments.time, eqx.combine(moments.look, lasting)
+    bounds, courses = trajectory(eye, moments.at)
     paint = background.painter(eye)
 
     def shape(left, right, bottom, top):
