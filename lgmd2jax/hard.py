@@ -305,21 +305,25 @@ class HardLGMD2:
             raise ValueError("frame holds values that are not finite; mask or fill them")
 
 
-def first_difference(
-    response: Response | Iterable[Response], expected: Response, tolerance: float
-) -> tuple[int, str] | None:
+def first_difference(response: Response, expected: Response, tolerance: float) -> tuple[int, str] | None:
     """The first frame, and in it the first channel, in which a response is not the expected one; None if it is.
 
-    **Arguments:** `response` to a whole clip, or to frame after frame: then no frame is computed after the first that
-    differs. `tolerance` is the share of a channel's largest expected value by which it may be off. Spikes and alarm
-    may not.
+    **Arguments:** `tolerance` is the share of a channel's largest expected value by which it may be off. Spikes and
+    alarm may not.
     """
-    frames = zip(*response[: len(CHANNELS)]) if isinstance(response, Response) else response
     wanted = np.array(expected[: len(CHANNELS)], float)
-    allowed = tolerance * np.abs(wanted).max(axis=1)
-    allowed[-2:] = 0
-    limits = allowed.tolist()
-    for t, (values, due) in enumerate(zip(frames, wanted.T.tolist())):
+    limits = tolerance * np.abs(wanted).max(axis=1)
+    limits[-2:] = 0
+    return first_beyond(zip(*response[: len(CHANNELS)]), wanted.T.tolist(), limits.tolist())
+
+
+def first_beyond(frames: Iterable, wanted: Iterable, limits: Sequence[float]) -> tuple[int, str] | None:
+    """The first frame, and in it the first channel, that is off what is wanted by more than the channel's limit.
+
+    **Arguments:** `frames` and `wanted` hold the channels of frame after frame; of `frames` none is asked for after the
+    first that is off.
+    """
+    for t, (values, due) in enumerate(zip(frames, wanted)):
         for name, value, expects, limit in zip(CHANNELS, values, due, limits):
             if not abs(value - expects) <= limit:
                 return t, name

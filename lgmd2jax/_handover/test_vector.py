@@ -64,6 +64,9 @@ class _Trial:
         self._s, self._f = self._maps(self._model)
         self._mp = [self._model._potential(s) for s in self._s]
         self.response = hard.Response.over_time(self._steps({}))
+        channels = np.array(self.response[: len(hard.CHANNELS)], float)
+        self._moments = channels.T.tolist()
+        self._largest = [*np.abs(channels[:-2]).max(axis=1).tolist(), 0, 0]  # spikes and alarm may not differ
 
     def _maps(self, model):
         model._start(self.frames[0])
@@ -82,8 +85,9 @@ class _Trial:
         return (model._cell(*sums, self.frames[0].size, self._interval) for sums in zip(mp, f, strict=True))
 
     def _changes(self, tolerance, name, value):
-        """Whether the response is another one with this threshold."""
-        return hard.first_difference(self._steps({name: value}), self.response, tolerance) is not None
+        """Whether the response is another one with this threshold: looked at up to the first frame that differs."""
+        limits = [tolerance * largest for largest in self._largest]
+        return hard.first_beyond(self._steps({name: value}), self._moments, limits) is not None
 
     def is_clear(self) -> bool:
         """Whether no rounding can carry a value across a threshold.

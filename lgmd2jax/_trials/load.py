@@ -135,7 +135,7 @@ def _reader(path: Path) -> Callable[[Path, Reading], tuple[list[Draft], list[str
 def _tables(path: Path, reading: Reading) -> list[tuple[str, Columns]]:
     """The tables of a file, each with the name that an animal has where the table tells none."""
     if path.suffix.lower() in _WORKBOOK:
-        sheets = sheets_of(path)
+        sheets = sheets_of(path, reading.decimal or ".")
         return [(path.stem, table) for _, table in sheets] if len(sheets) < 3 else sheets
     table = read_columns(path, reading.separator, reading.decimal or ".")
     cells = [cell for row in table.rows for cell in row]

@@ -1,6 +1,7 @@
 """`lgmd2jax calibrate RECIPE`: the probability of contact for a model that was fitted to labelled clips."""
 
 import argparse
+import math
 
 from lgmd2jax._files.atomic import read_json
 from lgmd2jax._files.lock import locked
@@ -15,6 +16,9 @@ _WITHIN_MS = 500.0
 
 def run(options: argparse.Namespace) -> None:
     """Calibrate on the recipe's clips, judge on its validation clips, add what came out to the folder."""
+    given = options.within_ms
+    if given is not None and not (math.isfinite(given) and given > 0):
+        raise ValueError(f"--within-ms is {given:g}; give a positive number of ms")
     recipe = load_recipe(options.recipe)
     folder = folder_of(options, recipe.name)
     if not ((folder / MARKER).is_file() and (folder / "model.json").is_file()):
@@ -26,7 +30,9 @@ def run(options: argparse.Namespace) -> None:
         check_eyes(eye, f"the model in {folder}", recipe.file.eye, f"the recipe {options.recipe}", cure)
     if recipe.validation is None:
         raise ValueError(f"{options.recipe} has no [validation]: nothing would say whether the urgency holds; add it")
-    within_ms = options.within_ms if options.within_ms is not None else recipe.within_ms or _WITHIN_MS
+    within_ms = given or recipe.within_ms or _WITHIN_MS
+    if within_ms < (frame_ms := 1000 / recipe.file.eye.fps):
+        raise ValueError(f"within {within_ms:g} ms is less than a frame, {frame_ms:.3g} ms; was it meant in s?")
     with locked(folder):
         said = add_urgency(folder, recipe.file.load(clips_bar), recipe.held_out(), within_ms)
     print(said)

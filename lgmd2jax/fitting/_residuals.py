@@ -3,7 +3,6 @@
 from typing import NamedTuple
 
 import numpy as np
-import scipy
 from jaxtyping import Float
 
 from lgmd2jax.fitting._curve import Curve, Kind
@@ -25,7 +24,7 @@ class Residuals(NamedTuple):
         count, power = len(about_mean), float(about_mean @ about_mean)
         if power == 0:
             return np.full(count, np.nan)
-        return scipy.signal.correlate(about_mean, about_mean)[count - 1 :] / power
+        return np.correlate(about_mean, about_mean, "full")[count - 1 :] / power
 
     @property
     def interval(self) -> float:

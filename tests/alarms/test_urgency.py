@@ -295,6 +295,9 @@ def test_the_command_adds_it_to_a_folder(path, tmp_path, monkeypatch, capsys):
     assert main(["calibrate", "mine.toml"]) == 1
     assert "has degrees_per_pixel = 4.0, but the recipe" in capsys.readouterr().err
     (tmp_path / "clips.toml").write_text(SIX_CLIPS)
+    for given, words in (("nan", "--within-ms is nan; give a positive"), (".5", "within 0.5 ms is less than a frame")):
+        assert main(["calibrate", "mine.toml", "--within-ms", given]) == 1
+        assert words in capsys.readouterr().err
     assert main(["calibrate", "mine.toml", "--within-ms", "700"]) == 0
     said = capsys.readouterr().out
     assert "urgency: contact within 700 ms, on" in said
