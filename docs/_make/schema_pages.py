@@ -143,7 +143,8 @@ def _type(value: dict[str, Any]) -> str:
     if kind == "object":
         further = value.get("additionalProperties")
         return f"table of {_type(further)}" if isinstance(further, dict) else "table"
-    return {"integer": "whole number", "string": "text", "boolean": "true, false"}.get(kind, kind) + _range(value)
+    words = {"integer": "whole number", "string": "text", "boolean": "true, false"}.get(kind, str(kind))
+    return words + _range(value)
 
 
 def _range(value: dict[str, Any]) -> str:

@@ -53,7 +53,7 @@ def test_misuse_is_refused(untyped):
     name: Any = "lgmd2"
     with pytest.raises(ValueError, match="give an LGMD2 or a Fit"):
         lgmd.characterise(name)
-    with pytest.raises(ValueError, match="without a fit"):
+    with pytest.raises(ValueError, match="model is no fit"):
         lgmd.characterise(MODEL, key=jax.random.key(0))
     batch = jax.vmap(lambda theta: lgmd.Parameters(theta1=theta))(jnp.zeros(3))
     with pytest.raises(ValueError, match="theta1 has shape"):

@@ -224,7 +224,7 @@ def test_the_first_difference_is_named(path, load):
 
     ffi = json.loads(path.read_text())["test_vector"]["response"]["ffi"][7]
     message = refusal(load, path, spoil)
-    assert f"ffi of frame 7 is {ffi:.9g}, not {ffi * 1.001:.9g}; copy the file anew" in message
+    assert f"ffi of frame 7 is {ffi:.9g}, not {ffi * 1.001:.9g}; copy the file again" in message
     assert "\n" not in message
 
 
