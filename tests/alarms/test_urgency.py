@@ -300,7 +300,7 @@ def test_the_command_adds_it_to_a_folder(path, tmp_path, monkeypatch, capsys):
         assert words in capsys.readouterr().err
     assert main(["calibrate", "mine.toml", "--within-ms", "700"]) == 0
     said = capsys.readouterr().out
-    assert "urgency: contact within 700 ms, on" in said
+    assert "urgency: probability of contact within 700 ms, on" in said
     assert "Brier score 0." in said
     urgency = alarms.load_urgency(folder / "model.json")
     assert urgency is not None
