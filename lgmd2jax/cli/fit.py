@@ -4,6 +4,7 @@ import argparse
 import dataclasses
 import re
 import time
+from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -22,6 +23,7 @@ from lgmd2jax.fitting import AnimalFits, Fit, Supplement
 from lgmd2jax.fitting._search.descent import STOPPED
 
 _DRAWS = "the draws of the posterior"
+_OVER_ANIMALS = "animals.csv", "animals.png", "report.txt"  # beside the folders of fits to one animal each
 
 
 def run(options: argparse.Namespace) -> None:
@@ -52,21 +54,35 @@ def run(options: argparse.Namespace) -> None:
 def _fit_animals(options: argparse.Namespace, recipe: Recipe, folder: Path, start: float) -> None:
     """Make one fit an animal, each in a folder of its own, and what holds over them."""
     folder.mkdir(exist_ok=True)
-    fits = {}
-    for animal, own in recipe.each().items():
-        place = folder / re.sub(r"[^\w.-]", "_", animal)
+    fits, recipes = {}, recipe.each()
+    for (animal, own), name in zip(recipes.items(), folder_names(recipes), strict=True):
+        place = folder / name
         if options.resume and is_finished(place) and read_json(place / MARKER).get("digest") == own.digest():
             fits[animal] = load_fit(place)
         else:
             fits[animal], _ = _fit_curves(options, own, place, time.monotonic())
     animals = AnimalFits(fits)
-    for name, write in (("animals.csv", animals.write_csv), ("animals.png", animals.plot)):
-        with replaced(folder / name) as temporary:
+    table, figure, report = (folder / name for name in _OVER_ANIMALS)
+    for path, write in ((table, animals.write_csv), (figure, animals.plot)):
+        with replaced(path) as temporary:
             write(temporary)
-    with replaced(folder / "report.txt") as temporary:
+    with replaced(report) as temporary:
         temporary.write_text(animals.summary() + "\n", encoding="utf-8")
     print(animals.summary())
     print(f"\nwrote {folder}/ in {time.monotonic() - start:.0f} s: a folder an animal, animals.csv and animals.png")
+
+
+def folder_names(animals: Iterable[str]) -> list[str]:
+    """A name of a folder for each animal, of letters that all file systems take, no two alike."""
+    taken: set[str] = {*_OVER_ANIMALS}
+    names = []
+    for animal in animals:
+        name = re.sub(r"[^\w.-]", "_", animal).lstrip(".") or "_"
+        while name.lower() in taken:
+            name += "_"
+        taken.add(name.lower())
+        names.append(name)
+    return names
 
 
 def _fit_curves(options: argparse.Namespace, recipe: Recipe, folder: Path, start: float) -> tuple[Fit, Supplement]:
