@@ -2,6 +2,7 @@
 
 import argparse
 import dataclasses
+import importlib
 import re
 import time
 from collections.abc import Iterable
@@ -90,7 +91,9 @@ def _fit_curves(options: argparse.Namespace, recipe: Recipe, folder: Path, start
     if recipe.samples:
         check_packages()
     digest = recipe.digest()
-    with kept_work(folder, digest, options.resume) as memory:
+    # XLA leaves one core to the pool: it loads matplotlib beside the search, and draws beside what follows.
+    with kept_work(folder, digest, options.resume) as memory, ThreadPoolExecutor(1) as pool:
+        pool.submit(importlib.import_module, "lgmd2jax._figures.fit")
         print(f"fitting {', '.join(recipe.free.names)} to {len(recipe.pairs)} conditions of {recipe.name}", flush=True)
         fit = recipe.run(progress=True, memory=memory)
         notes, provenance = records(recipe, digest, start, folder)
@@ -102,14 +105,13 @@ def _fit_curves(options: argparse.Namespace, recipe: Recipe, folder: Path, start
             write_stopped(folder, lambda: results.begin(extra, provenance | {"unfinished": SEARCH}), fit.summary(extra))
         extra = Supplement(truth=recipe.truth, unfinished=tuple(left))
         results.begin(extra, provenance)
-        with ThreadPoolExecutor(1) as pool:  # XLA leaves one core to it
-            drawing = pool.submit(results.draw, extra)
-            for words, add_to in further.items():
-                left.remove(words)
-                extra = dataclasses.replace(add_to(extra), unfinished=tuple(left))
-                drawing.result()  # the folder is written by one at a time
-                results.add(extra)
-            drawing.result()
+        drawing = pool.submit(results.draw, extra)
+        for words, add_to in further.items():
+            left.remove(words)
+            extra = dataclasses.replace(add_to(extra), unfinished=tuple(left))
+            drawing.result()  # the folder is written by one at a time
+            results.add(extra)
+        drawing.result()
         if recipe.samples:
             draws = fit.sample(jax.random.key(recipe.seed), recipe.samples, memory=memory)
             extra = dataclasses.replace(extra, unfinished=())

@@ -278,7 +278,7 @@ def _closed_port():
         (["0", "--timeout", "0"], "timeout is 0; give a positive number of seconds"),
         (["0", "--resize", "0"], "resize is 0; give a width of at least 3 pixels"),
         (["0", "--csv", "a.x", "--overlay", "./a.x"], "a.x is named twice"),
-        (["0", "--model", "preset:yue_rind"], "hard.py and the C run the LGMD2 alone"),
+        (["0", "--model", "preset:yue_rind"], "hard.py and the C code run only the LGMD2"),
         (["0", "--model", "broken.json"], "broken.json is not a JSON file"),
         (["0", "--model", "foreign.json"], "foreign.json is not a hand-over file that can be used"),
     ],

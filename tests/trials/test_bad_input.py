@@ -89,7 +89,7 @@ CASES = {
     "columns without a unit": ("A_lv20_1,A_lv20_2\n-.1,-.2\n.3,.1\n", {}, "'A_lv20_1', -0.1 to 0.3, have no unit"),
     "NaN amid a column": ("A_lv20_1 (s),A_lv20_2 (s)\n-.1,-.2\nnan,.1\n.3,.2\n", {}, "'nan' in row 2"),
     "a unit that is none": (TIDY + ROWS, {"time_unit": "h"}, "time_unit is 'h'"),
-    "no file": (None, {}, "there is no file"),
+    "no file": (None, {}, "no such file"),
     "empty": ("", {}, "no rows"),
     "a header alone": (TIDY, {}, "no rows"),
     "trials without any spike": (TIDY + "A,1,20,\nA,2,20,\n", {}, "there is no spike in any trial"),
