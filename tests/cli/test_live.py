@@ -276,6 +276,7 @@ def _closed_port():
         ([f"udp://127.0.0.1:{_closed_port()}", "--timeout", ".2"], r"is silent: no frame for 0.2 s"),
         (["nonsense://1"], "nonsense://1 cannot be read: Protocol not found"),
         (["0", "--timeout", "0"], "timeout is 0; give a positive number of seconds"),
+        (["0", "--resize", "0"], "resize is 0; give a width of at least 3 pixels"),
         (["0", "--csv", "a.x", "--overlay", "./a.x"], "a.x is named twice"),
         (["0", "--model", "preset:yue_rind"], "hard.py and the C code run only the LGMD2"),
         (["0", "--model", "broken.json"], "broken.json is not a JSON file"),
