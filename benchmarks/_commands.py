@@ -10,31 +10,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-PROTOCOL = """
-[eye]
-rows = 10
-cols = 12
-degrees_per_pixel = 8
-fps = 50
-[[target]]
-model = "preset:lgmd2"
-parameters = { k = 0.4, T_ffi = 12, T_s = 5, tau3 = 250 }
-[[condition]]
-name = "loom {l_over_v}"
-family = "looming"
-l_over_v = [20, 40]
-contrast = -0.9
-start_ms = -500
-end_ms = 200
-"""
-FIT = """
-protocol = "protocol.toml"
-[parameters]
-T_ffi = 12
-T_s = 5
-[free]
-k = { low = 0.1, high = 2, scale = "log" }
-tau3 = { low = 100, high = 1000 }
+from tests.documents import CLIPS_EYE, FREE_K_AND_TAU3, SIX_CLIPS, TWO_LOOMS
+
+FIT = f"""{FREE_K_AND_TAU3}
 [solver]
 pixel_points = 8
 cell_points = 64
@@ -46,17 +24,6 @@ profile = ["k"]
 samples = 20
 [validation]
 leave_one_out = true
-"""
-CLIPS = """
-[eye]
-rows = 12
-cols = 18
-degrees_per_pixel = 4
-fps = 30
-projection = "pinhole"
-[rendered]
-count = 6
-seed = 2
 """
 ALARMS = """
 protocol = "clips.toml"
@@ -128,7 +95,7 @@ def _placed(arguments: Sequence[str], out: Path) -> tuple[str, ...]:
 
 def commands(place: Path) -> tuple[Command, ...]:
     """Those that write for longer than a moment; their recipes and a clip are written into a folder."""
-    for name, text in {"protocol": PROTOCOL, "clips": CLIPS, "sweep": SWEEP}.items():
+    for name, text in {"looms": TWO_LOOMS, "clips": SIX_CLIPS, "sweep": SWEEP}.items():
         (place / f"{name}.toml").write_text(text, encoding="utf-8")
     for seed in (1, 2):
         (place / str(seed)).mkdir(exist_ok=True)
@@ -158,7 +125,7 @@ def commands(place: Path) -> tuple[Command, ...]:
 def further_commands(place: Path, runner: "Runner", log: Path) -> tuple[Command, ...]:
     """All others that write files. The fits that some of them need are made first, after those of `commands`."""
     write_clip(place / "loom.mkv", frames=120, size=(160, 120))
-    (place / "own.toml").write_text(CLIPS.split("[rendered]")[0] + '[[clip]]\nfile = "loom.mkv"\n', encoding="utf-8")
+    (place / "own.toml").write_text(CLIPS_EYE + '[[clip]]\nfile = "loom.mkv"\n', encoding="utf-8")
     rows = "".join(
         f"A,{trial},{speed},{-4 * speed - 20 + 3 * spike + trial}\n"
         for speed in (20, 40, 80)
@@ -180,14 +147,14 @@ def further_commands(place: Path, runner: "Runner", log: Path) -> tuple[Command,
         Command("clips of one's own", ("fit", recipe, "--clips", str(place / "own.toml"), *out)),
         Command("calibrate", ("calibrate", recipe, *out), adds_to=place / "1/alarms"),
         Command("watch", ("watch", str(place / "clips.toml"), "--baselines", *files("w", "csv", "json", "png"))),
-        Command("predict", ("predict", fits[0], str(place / "protocol.toml"), "-o", "OUT/p.csv")),
+        Command("predict", ("predict", fits[0], str(place / "looms.toml"), "-o", "OUT/p.csv")),
         Command("characterise", ("characterise", model, *files("c", "json", "png"))),
         Command("compare", ("compare", *fits, *files("c", "json", "csv", "png"))),
         Command("looming", ("looming", str(place / "trials.csv"), *files("l", "json", "png"))),
         Command("import", ("import", str(place / "trials.csv"), *out)),
         Command("arena", ("arena", "--seeds", "1", "--seconds", "1", *files("a", "json", "png"))),
         Command("live", ("live", "-", *files("v", "csv", "mp4")), stdin=place / "loom.mkv"),
-        Command("stimuli", ("stimuli", str(place / "protocol.toml"), "--clips", "npz", *out)),
+        Command("stimuli", ("stimuli", str(place / "looms.toml"), "--clips", "npz", *out)),
         Command("export --c", ("export", model, "--c", "OUT/results")),
         Command("export --ros", ("export", model, "--ros", "OUT/results")),
     )

@@ -281,7 +281,7 @@ def read_table(table: Path) -> list[dict[str, str]]:
 
 def point_of(row: dict[str, str]) -> Float[np.ndarray, " free"]:
     """The model of a row, as a point of the unit box."""
-    return np.array([np.clip(freedom.place(float(row[freedom.name])), 0, 1) for freedom in FREE.freedoms])
+    return np.array([np.clip(free.place(float(row[free.name])), 0, 1) for free in FREE.parameters])
 
 
 def draw(table: Path, figure: Path) -> None:

@@ -162,7 +162,7 @@ def described(z: Float[np.ndarray, " free"]) -> str:
     """The values of a model."""
     values = {}
     for free, part in ((PIXELS, z[: len(PIXELS)]), (CELL, z[len(PIXELS) :])):
-        values |= {it.name: float(it.value(x)) for it, x in zip(free.freedoms, part, strict=True)}
+        values |= {it.name: float(it.value(x)) for it, x in zip(free.parameters, part, strict=True)}
     return ", ".join(f"{name} {value:.3g}" for name, value in values.items())
 
 

@@ -36,8 +36,8 @@ class Circuit:
         """A random set from the middle of the declared bounds."""
         rng = np.random.default_rng(seed)
         return {
-            freedom.name: freedom.low + (freedom.high - freedom.low) * rng.uniform(0.5 - MIDDLE / 2, 0.5 + MIDDLE / 2)
-            for freedom in self.free.freedoms
+            each.name: each.low + (each.high - each.low) * rng.uniform(0.5 - MIDDLE / 2, 0.5 + MIDDLE / 2)
+            for each in self.free.parameters
         }
 
     def model(self, values: dict[str, float], thresholds: lgmd.Thresholds) -> lgmd.LGMD2:
@@ -159,7 +159,7 @@ def twin(
         truth=truth,
         fit=fit,
         off=max(
-            abs(fit.values[free.name] - truth[free.name]) / (free.high - free.low) for free in circuit.free.freedoms
+            abs(fit.values[free.name] - truth[free.name]) / (free.high - free.low) for free in circuit.free.parameters
         ),
         rmse=float(np.sqrt(np.mean(np.square(potential)))),
         miscounted=float(np.mean(miscounted)),
@@ -201,8 +201,8 @@ def coverage(seed: int, noise: float, shown: list[lgmd.Stimulus], circuit: Circu
     start = circuit.model({}, thresholds)
     fit = lgmd.fit(start, conditions, circuit.free, key=jax.random.key(seed), **settings)
     u, values = fit.uncertainty, np.array(list(truth.values()))
-    straight = np.array([name not in fit.curved for name in u.names])
-    within = u.standard_errors < PRECISE * np.array([free.high - free.low for free in circuit.free.freedoms])
+    straight = np.array([name not in fit.nonlinear for name in u.names])
+    within = u.standard_errors < PRECISE * np.array([free.high - free.low for free in circuit.free.parameters])
     held = (u.intervals[:, 0] <= values) & (values <= u.intervals[:, 1])
     return Coverage(held, u.determined & straight & within, fit.status[0] == "valid")
 

@@ -146,8 +146,8 @@ def _report(search: Search) -> None:
         for j in range(i):
             if is_kept[:, i].any() and is_kept[:, j].any() and not (is_kept[:, i] & is_kept[:, j]).any():
                 print(f"  {quotes[j]} / {quotes[i]}")
-    places = zip(search.recipe.free.freedoms, search.models[best], strict=True)
-    values = {freedom.name: float(freedom.value(place)) for freedom, place in places}
+    places = zip(search.recipe.free.parameters, search.models[best], strict=True)
+    values = {parameter.name: float(parameter.value(place)) for parameter, place in places}
     print("best model:", ", ".join(f"{name} {value:.4g}" for name, value in values.items()))
 
 

@@ -83,7 +83,7 @@ class Eye:
         if projection == "equidistant":
             return cls(rows, cols, degrees / cols, fps, projection)
         if degrees >= 180:
-            raise ValueError(f"degrees is {degrees:g}; a pinhole sees less than 180 degrees, or take 'equidistant'")
+            raise ValueError(f"degrees is {degrees:g}; a pinhole sees less than 180; choose 'equidistant', or fewer")
         focal = cols / 2 / math.tan(math.radians(degrees) / 2)
         return cls(rows, cols, math.degrees(2 * math.atan(0.5 / focal)), fps, projection)
 
@@ -165,7 +165,5 @@ class Eye:
     @property
     def _degrees_per_pixel(self) -> float:
         if self.degrees_per_pixel is None:
-            raise ValueError(
-                "this eye is known in pixels alone; give lengths as *_px, or an Eye with degrees_per_pixel"
-            )
+            raise ValueError("the eye has no degrees_per_pixel; give lengths as *_px, or an Eye with degrees_per_pixel")
         return self.degrees_per_pixel

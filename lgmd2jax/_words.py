@@ -18,7 +18,8 @@ class UnfinishedWarning(Remark):
 def nearest(name: str, known: Iterable[str], count: int | None = None) -> str:
     """The valid names, the likeliest first, for an error message: all, or so many of them."""
     names = sorted(known, key=lambda other: -difflib.SequenceMatcher(None, str(name), other).ratio())[:count]
-    return " or ".join(repr(other) for other in names)
+    *others, last = map(repr, names) if names else ("",)
+    return f"{', '.join(others)} or {last}" if others else last
 
 
 def warn_renamed(old: str, new: str) -> None:

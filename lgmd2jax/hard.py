@@ -311,11 +311,23 @@ def first_difference(response: Response, expected: Response, tolerance: float) -
     **Arguments:** `tolerance` is the share of a channel's largest expected value by which it may be off. Spikes and
     alarm may not.
     """
-    values, wanted = (np.array(each[: len(CHANNELS)], float) for each in (response, expected))
-    allowed = tolerance * np.abs(wanted).max(axis=1)
-    allowed[-2:] = 0
-    wrong = np.argwhere(~(np.abs(values - wanted) <= allowed[:, None]).T)
-    return (int(wrong[0, 0]), CHANNELS[wrong[0, 1]]) if len(wrong) else None
+    wanted = np.array(expected[: len(CHANNELS)], float)
+    limits = tolerance * np.abs(wanted).max(axis=1)
+    limits[-2:] = 0
+    return first_beyond(zip(*response[: len(CHANNELS)]), wanted.T.tolist(), limits.tolist())
+
+
+def first_beyond(frames: Iterable, wanted: Iterable, limits: Sequence[float]) -> tuple[int, str] | None:
+    """The first frame, and in it the first channel, that is off what is wanted by more than the channel's limit.
+
+    **Arguments:** `frames` and `wanted` hold the channels of frame after frame; of `frames` none is asked for after the
+    first that is off.
+    """
+    for t, (values, due) in enumerate(zip(frames, wanted)):
+        for name, value, expects, limit in zip(CHANNELS, values, due, limits):
+            if not abs(value - expects) <= limit:
+                return t, name
+    return None
 
 
 def load(path) -> HardLGMD2:
@@ -328,9 +340,7 @@ def load(path) -> HardLGMD2:
 
 
 def read(path) -> dict:
-    """The content of a hand-over file, checked: it is whole, and this program computes what its test vector says.
-
-    What version 1 did not have is as version 2 says it: the network is the LGMD2, without mechanisms.
+    """The content of a hand-over file, as `checked` returns it.
 
     **Raises:** as `load`.
     """
@@ -342,40 +352,49 @@ def read(path) -> dict:
     except (ValueError, RecursionError) as error:
         raise ValueError(f"{path} is not a hand-over file: no JSON ({error})") from None
     try:
-        if not isinstance(content, dict) or content.get("format") != FORMAT:
-            raise ValueError(f"its format is not {FORMAT!r}")
-        version = content.get("version")
-        if type(version) is not int or version not in (1, VERSION):
-            raise ValueError(f"its version is {version!r}, this program reads 1 and {VERSION}; update it")
-        later = ("mechanisms", "calibration") if version > 1 else ()
-        names = (("network",) if version > 1 else ()) + ("parameters", "structure", "eye", "provenance", "test_vector")
-        for name in names:
-            if name not in content:
-                raise ValueError(f"{name} is missing")
-        for name in content:
-            if name not in ("format", "version", *names, *later):
-                raise ValueError(f"{name!r} is unknown; there are {', '.join(('format', 'version', *names, *later))}")
-        for name, absent in (("network", NETWORK), ("mechanisms", {}), ("calibration", {})):
-            content.setdefault(name, absent)
-        for name in ("parameters", "mechanisms", "structure", "provenance", "calibration"):
-            if not isinstance(content[name], dict):
-                raise ValueError(f"{name} is {content[name]!r}; give values by name")
-        _check_eye(content["eye"])
-        check_test_vector(content["test_vector"], content["eye"])
-        if content["network"] != NETWORK:
-            raise ValueError(f"its network is {content['network']!r}; this program runs the {NETWORK} alone")
-        _check_parameters(content["parameters"], DOMAINS)
-        for name in content["parameters"]:
-            if name not in DOMAINS:
-                raise ValueError(f"parameter {name} belongs to a mechanism; give it there")
-        _check_tables(content["mechanisms"])
-        _check_structure(content["structure"])
-        _check_urgency(content["calibration"].get("urgency"))
-        vector = content["test_vector"]
-        with np.errstate(all="ignore"):
-            prove(_model(content, vector["fps"])(np.array(vector["frames"])), vector)
+        return checked(content)
     except ValueError as error:
         raise ValueError(f"{path} is not a hand-over file that can be used: {error}") from None
+
+
+def checked(content) -> dict:
+    """The content of a hand-over file, which is whole, and whose test vector this program computes.
+
+    What version 1 did not have is as version 2 says it: the network is the LGMD2, without mechanisms.
+
+    **Raises:** `ValueError` that says what is wrong with it.
+    """
+    if not isinstance(content, dict) or content.get("format") != FORMAT:
+        raise ValueError(f"its format is not {FORMAT!r}")
+    version = content.get("version")
+    if type(version) is not int or version not in (1, VERSION):
+        raise ValueError(f"its version is {version!r}, this program reads 1 and {VERSION}; update it")
+    later = ("mechanisms", "calibration") if version > 1 else ()
+    names = (("network",) if version > 1 else ()) + ("parameters", "structure", "eye", "provenance", "test_vector")
+    for name in names:
+        if name not in content:
+            raise ValueError(f"{name} is missing")
+    for name in content:
+        if name not in ("format", "version", *names, *later):
+            raise ValueError(f"{name!r} is unknown; there are {', '.join(('format', 'version', *names, *later))}")
+    content = {"network": NETWORK, "mechanisms": {}, "calibration": {}, **content}
+    for name in ("parameters", "mechanisms", "structure", "provenance", "calibration"):
+        if not isinstance(content[name], dict):
+            raise ValueError(f"{name} is {content[name]!r}; give values by name")
+    _check_eye(content["eye"])
+    check_test_vector(content["test_vector"], content["eye"])
+    if content["network"] != NETWORK:
+        raise ValueError(f"its network is {content['network']!r}; this program runs only the {NETWORK}")
+    _check_parameters(content["parameters"], DOMAINS)
+    for name in content["parameters"]:
+        if name not in DOMAINS:
+            raise ValueError(f"parameter {name} belongs to a mechanism; give it there")
+    _check_tables(content["mechanisms"])
+    _check_structure(content["structure"])
+    _check_urgency(content["calibration"].get("urgency"))
+    vector = content["test_vector"]
+    with np.errstate(all="ignore"):
+        prove(_model(content, vector["fps"])(np.array(vector["frames"])), vector)
     return content
 
 
@@ -400,8 +419,8 @@ def prove(response: Response, vector: Mapping) -> None:
         t, name = difference
         value, wanted = float(getattr(response, name)[t]), getattr(expected, name)[t]
         raise ValueError(
-            f"its test vector does not come out: {name} of frame {t} is {value:.9g}, not {wanted:.9g}; "
-            "copy the file anew, or write it with lgmd2jax.save"
+            f"the response to its test vector differs: {name} of frame {t} is {value:.9g}, not {wanted:.9g}; "
+            "copy the file again, or write it with lgmd2jax.save"
         )
 
 
@@ -438,7 +457,7 @@ def _check_names(mechanisms):
         if name not in MECHANISMS:
             raise ValueError(f"mechanism {name!r} is unknown; there are {', '.join(MECHANISMS)}")
     if "membrane" in mechanisms and "shunt" not in mechanisms:
-        raise ValueError("mechanisms has a membrane without the shunt that it needs")
+        raise ValueError("mechanisms has a membrane, which needs the shunt; add the shunt")
 
 
 def _check_tables(mechanisms):

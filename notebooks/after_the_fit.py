@@ -91,7 +91,7 @@ shown(again.plot_residuals())
 wrong = lgmd.fit(model, conditions, free, **{**settings, "observation": lgmd.Observation(gain=100.0, smoothing=60.0)})
 for label, each in (("right", again), ("smoothing 60 ms", wrong)):
     best = each.score_test()[0]
-    promised = f"{best.name}: chi2 falls by {best.decrease:.3g} (by chance: {best.probability:.1g})"
+    promised = f"{best.name}: chi2 falls by {best.decrease:.3g} (p {best.probability:.1g})"
     print(f"{label:15} AIC {each.uncertainty.aic:.1f}; {promised}")
 
 # %% [markdown]

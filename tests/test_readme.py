@@ -1,5 +1,6 @@
 """What README.md and the pages in docs/ say works when it is pasted."""
 
+import fnmatch
 import re
 import shlex
 import subprocess
@@ -45,10 +46,19 @@ def test_commands_run(command, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(place)
     assert main(shlex.split(command)[1:]) == 0, capsys.readouterr().err
     said = capsys.readouterr().out
+    left = [path.name for path in place.iterdir() if path.name != "stimuli"]
     if "watch" in command:
         assert "right on 1 of 1 clips" in said
     else:
-        assert len(list(place.iterdir())) > 1
+        assert left
+    assert shown_by_git(left) == []
+
+
+def shown_by_git(names):
+    """Those of the names that .gitignore does not name, as files or folders of a clone."""
+    patterns = (ROOT / ".gitignore").read_text(encoding="utf-8").splitlines()
+    patterns = [pattern.strip("/") for pattern in patterns if not pattern.startswith("#")]
+    return [name for name in names if not any(fnmatch.fnmatch(name, pattern) for pattern in patterns)]
 
 
 def test_the_shipped_clip_and_its_labels_are_what_the_readme_shows():

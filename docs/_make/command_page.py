@@ -8,8 +8,9 @@ _INTRODUCTION = """\
 # Command line
 
 `lgmd2jax COMMAND --help` prints what stands here. A model, a protocol or a recipe is named by its path, or, where it is
-shipped, by its bare name: `lgmd2jax fit dcmd`. Every command also takes `--traceback`.
+shipped, by its bare name: `lgmd2jax fit dcmd`. Every command also takes `--traceback` and `--no-compilation-cache`.
 """
+_EVERYWHERE = ("help", "traceback", "no_compilation_cache")  # arguments of every command
 
 
 def command_page() -> str:
@@ -28,17 +29,16 @@ def _fence(text: str | None) -> str:
 
 
 def _table(command: argparse.ArgumentParser) -> str:
-    rows = ["| argument | default | meaning |", "|---|---|---|"]
+    rows = ["| argument | meaning |", "|---|---|"]
     for action in command._actions:
-        if action.dest in ("help", "traceback"):
+        if action.dest in _EVERYWHERE:
             continue
         formatter = command._get_formatter()
         written = ", ".join(action.option_strings) or formatter._metavar_formatter(action, action.dest)(1)[0]
         if action.option_strings and action.nargs != 0:
             written += " " + formatter._format_args(action, action.dest.upper())
-        default = "" if action.default in (None, False, [], argparse.SUPPRESS) else f"`{_plain(action.default)}`"
         meaning = formatter._expand_help(action) if action.help else ""
-        rows.append(f"| `{_plain(written)}` | {default} | {_cell(meaning)} |")
+        rows.append(f"| `{_plain(written)}` | {_cell(meaning)} |")
     return "\n".join(rows)
 
 

@@ -56,10 +56,16 @@ def schema_page(name: str, introduction: str) -> str:
         parts += ["## The document", _table(name, schema)]
     else:
         parts.append(f"A document is one of: {_type(schema)}.")
-    for part, content in schema["$defs"].items():
+    whole = [_part(it) for it in schema.get("oneOf", schema.get("anyOf", ())) if "$ref" in it]
+    for part in (*whole, *(part for part in schema["$defs"] if part not in whole)):
+        content = schema["$defs"][part]
         parts.append(f"## {_title(part)}")
         parts.append(_table(part, content) if "properties" in content else f"{_type(content)}.")
     return "\n\n".join(parts) + "\n"
+
+
+def _part(reference: dict[str, Any]) -> str:
+    return reference["$ref"].rpartition("/")[2]
 
 
 def _title(part: str) -> str:
@@ -120,7 +126,7 @@ def _toml(value) -> str:
 def _type(value: dict[str, Any]) -> str:
     """What a key takes, in words."""
     if "$ref" in value:
-        part = value["$ref"].rpartition("/")[2]
+        part = _part(value)
         return f"[{_title(part)}](#{part.lower().replace('_', '-')})"
     for word in ("oneOf", "anyOf"):
         if word in value:
@@ -137,7 +143,8 @@ def _type(value: dict[str, Any]) -> str:
     if kind == "object":
         further = value.get("additionalProperties")
         return f"table of {_type(further)}" if isinstance(further, dict) else "table"
-    return {"integer": "whole number", "string": "text", "boolean": "true, false"}.get(kind, kind) + _range(value)
+    words = {"integer": "whole number", "string": "text", "boolean": "true, false"}.get(kind, str(kind))
+    return words + _range(value)
 
 
 def _range(value: dict[str, Any]) -> str:

@@ -83,8 +83,8 @@ def _constants(model: LGMD2, mechanisms: tuple[str, ...]):
         value = float(getattr(model.parameters, name))
         if not symbol.contains(single := np.float32(value)):
             raise ValueError(
-                f"{name} is {value:g}, in the single precision of C {single:g}, and must lie in {symbol.domain}; "
-                "choose a value that single precision can tell from the end"
+                f"{name} is {value:g}, which single precision in C rounds to {single:g}, outside of {symbol.domain}; "
+                "choose a value farther from that bound"
             )
         yield Constant(name, _literal(value), symbol.meaning + ("" if symbol.unit == "1" else f" [{symbol.unit}]"))
 
@@ -92,8 +92,8 @@ def _constants(model: LGMD2, mechanisms: tuple[str, ...]):
 _WEIGHED = {
     "intercept": "1",
     "smp_adapted": "U' - .5",
-    "level": "the average of U of late, less .5",
-    "rise": "U less that average",
+    "level": "the low-passed U, less .5",
+    "rise": "U less the low-passed U",
     "inhibition": "Fbar/(Fbar + the threshold of the inhibition)",
 }
 
@@ -101,7 +101,7 @@ _WEIGHED = {
 def _urgency(calibration: Mapping[str, Any]) -> dict[str, Any]:
     for name in hard.URGENCY:
         if abs(value := calibration[name]) > float(np.finfo(np.float32).max):
-            raise ValueError(f"{name} of the urgency is {value:g}, which single precision cannot hold; calibrate anew")
+            raise ValueError(f"{name} of the urgency is {value:g}, which single precision cannot hold; calibrate again")
     return {
         "within_ms": calibration["within_ms"],
         "tau_ms": _literal(calibration["tau_ms"]),

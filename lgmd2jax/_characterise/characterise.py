@@ -42,7 +42,9 @@ def characterise(
     """
     fit = model if isinstance(model, Fit) else None
     if key is not None and fit is None:
-        raise ValueError("key is given without a fit; intervals need its covariance, so give lgmd.load_fit(...)")
+        raise ValueError(
+            "key is given, but model is no fit, whose covariance the intervals need; give lgmd.load_fit(...)"
+        )
     if key is not None:
         check_key(key)
     model = model.model if isinstance(model, Fit) else model
@@ -87,7 +89,7 @@ def rasters(
         raise ValueError(f"seeds is {seeds!r}; give a whole number, 0 or more")
     eye, neuron = _usable(model), _neuron(model)
     results = {"as it is": _result(model, exam_of(eye), neuron, progress)}
-    results["half a pixel aside"] = _result(model, exam_of(eye, 0.5), neuron, progress)
+    results["shifted by half a pixel"] = _result(model, exam_of(eye, 0.5), neuron, progress)
     for seed in range(1, seeds + 1):
         results[f"noise and texture {seed}"] = _result(model, exam_of(eye, seed=seed), neuron, progress)
     pitch = 1 / eye.pixels_per_degree
@@ -137,12 +139,12 @@ def _usable(model: AbstractNetwork) -> Eye:
     eye = model.eye
     if eye is None:
         raise ValueError(
-            "the model has no eye, so it is not known what it sees; give it one: "
-            f"{type(model).__name__}(parameters, eye=Eye(...)), and for other than its own frame rate "
-            "at_frame_rate(model, 100)"
+            "the model has no eye, so its field of view and frame rate are not known; give it one: "
+            f"{type(model).__name__}(parameters, eye=Eye(...)); at_frame_rate(model, 100) then takes the parameters to "
+            "another frame rate"
         )
     if eye.degrees_per_pixel is None:
-        raise ValueError("the eye is known in pixels alone; give it degrees_per_pixel")
+        raise ValueError("the eye has no degrees_per_pixel, so that angles are not known; give it")
     if eye.fps < _SLOWEST:
         raise ValueError(f"fps is {eye.fps:g}; the stimuli need at least {_SLOWEST:g} frames per second")
     if eye.degrees_per_pixel >= _COARSEST or min(eye.field_of_view) < _NARROWEST:

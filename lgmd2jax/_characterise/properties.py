@@ -76,7 +76,7 @@ ROWS: tuple[Row, ...] = (
         "the integral rises with l/|v|",
         "Time integral of R, from onset to 150 ms after the motion: smallest step from one l/|v| to the next.",
         looming.integral_rises,
-        (Line("least step of it", "ms", low=SAME, evidence="D"),),
+        (Line("least step of the integral", "ms", low=SAME, evidence="D"),),
     ),
     Row(
         8,
@@ -102,7 +102,7 @@ ROWS: tuple[Row, ...] = (
     Row(
         10,
         "dark recession is weak",
-        "Approach against recession at 40 ms; what recession is answered lies within 150 ms of its onset.",
+        "Approach against recession at 40 ms; a response lies within 150 ms of the onset.",
         selectivity.recession,
         tuple(
             Line(f"{label}{scene}", low=low, high=high)
@@ -118,7 +118,7 @@ ROWS: tuple[Row, ...] = (
     Row(
         11,
         "light recession is brief",
-        "In all from the onset to the end of the clip, light disc at 40 ms; below 300 ms.",
+        "Total from the onset to the end of the clip, light disc at 40 ms; below 300 ms.",
         selectivity.light_recession,
         (Line("time with R above .1", "ms", high=300),),
         neuron="LGMD2",
@@ -142,7 +142,7 @@ ROWS: tuple[Row, ...] = (
     ),
     Row(
         13,
-        "translation is answered at first alone",
+        "translation is answered only at first",
         "Disc of 10 deg over -40..40 deg; directions (largest - least)/largest, on the plain ground, where all fit.",
         selectivity.translation,
         (
@@ -161,8 +161,8 @@ ROWS: tuple[Row, ...] = (
         "SMP before adaptation by the SMP after it; directions Peron & Gabbiani 2009.",
         selectivity.adaptation,
         (
-            Line("without it: integral of translation x", low=1.5, evidence="AP"),
-            Line("without it: peak of the loom x", high=1.15, evidence="AP"),
+            Line("without adaptation: integral of translation x", low=1.5, evidence="AP"),
+            Line("without adaptation: peak of the loom x", high=1.15, evidence="AP"),
         ),
     ),
     Row(
@@ -178,7 +178,7 @@ ROWS: tuple[Row, ...] = (
     ),
     Row(
         16,
-        "gratings are answered at first alone",
+        "gratings are answered only at first",
         ".05, .1, .2 cyc/deg at 1, 4, 10 Hz as far as the eye samples them, Michelson 1 on 110; the worst of them.",
         field.gratings,
         (
@@ -242,7 +242,7 @@ ROWS: tuple[Row, ...] = (
     Row(
         22,
         "another frame rate",
-        "All that counts per frame scaled to 200 fps (twice its own from there on), l/|v| of 40, 50 and 80 ms.",
+        "The model at 200 fps (of 200 or more: at twice its own) against its own rate, l/|v| of 40, 50 and 80 ms.",
         looming.frame_rate,
         (Line("shift of the peak at 200 fps, at most", "ms", high=5),),
     ),

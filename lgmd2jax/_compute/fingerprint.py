@@ -126,8 +126,8 @@ class _Walk:
         except Exception as error:
             kind = type(value).__qualname__
             raise ValueError(
-                f"there is a {kind}, whose content cannot be told, so that finished work would not be known again; "
-                "let all hold plain values, or do without a store or memory"
+                f"an object of type {kind} has no content that can be compared, so that finished work could not be "
+                "recognised; hold plain values and arrays instead, or leave out store and memory"
             ) from error
         if isinstance(state, str):
             return _hash(_name(value), _package(value))

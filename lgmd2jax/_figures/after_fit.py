@@ -73,7 +73,7 @@ def plot_profile(fit: Fit, name: str, profile: Profile, path: str | os.PathLike 
         for end, is_open in zip(profile.interval, profile.is_open, strict=True):
             if not is_open:
                 axes.axvline(end, color=VERMILION, linewidth=0.9, linestyle=":")
-        unit = fit.free.freedoms[i].symbol.unit
+        unit = fit.free.parameters[i].symbol.unit
         axes.set(xlabel=name if unit == "1" else f"{name} ({unit})", ylabel="rise of χ²")
         axes.legend()
         return axes if figure is None else written(figure, path)

@@ -154,18 +154,20 @@ def worst_figure(path: str | os.PathLike, watch: Evaluation) -> None:
 
 
 def reliability_figure(path: str | os.PathLike, found: Reliability, within_ms: float) -> None:
-    """How often contact followed over how likely it was said to be, and how many frames there are of each."""
+    """The reliability diagram, and how many frames there are of each predicted probability."""
     observed = np.array([share[:3] for share in found.observed])
     errors = np.abs(observed[:, 1:] - observed[:, :1]).T
     with drawn(path, 8, 3.4) as figure:
         diagram, counts = figure.subplots(1, 2)
         diagram.plot([0, 1], [0, 1], color=GREY, linestyle="--", linewidth=1)
         diagram.errorbar(found.foretold, observed[:, 0], errors, fmt="o-", color=BLUE, capsize=2)
-        diagram.set(xlabel=f"foretold probability of contact within {within_ms:g} ms", ylabel="how often it followed")
+        diagram.set(xlabel=f"predicted probability of contact within {within_ms:g} ms", ylabel="observed frequency")
         diagram.set(xlim=(-0.03, 1.03), ylim=(-0.03, 1.03))
-        diagram.set_title(f"Brier score {found.brier.value:.4f}, of the mean {found.brier_of_the_mean:.4f}", fontsize=9)
+        diagram.set_title(
+            f"Brier score {found.brier.value:.4f}; of a constant {found.brier_of_the_mean:.4f}", fontsize=9
+        )
         counts.bar(found.foretold, found.frames, width=0.07, color=BLUE)
-        counts.set(xlabel="foretold probability", ylabel="frames", yscale="log", xlim=(-0.05, 1.05))
+        counts.set(xlabel="predicted probability", ylabel="frames", yscale="log", xlim=(-0.05, 1.05))
 
 
 def _by_margin(watch: Evaluation) -> list[tuple[ClipLabels, np.ndarray, Verdict]]:

@@ -29,12 +29,12 @@ def plot_animals(fits: AnimalFits, path: str | os.PathLike | None) -> Axes:
                 axes.plot(u.values[i], place, "o", color=colour, markersize=4)
                 if u.determined[i]:
                     axes.hlines(place, *u.intervals[i], color=colour, linewidth=1.3)
-            each, freedom = fits.population[names[i]], free.freedoms[i]
+            each, parameter = fits.population[names[i]], free.parameters[i]
             if np.isfinite(each.mean):
                 axes.axvspan(each.mean - each.spread, each.mean + each.spread, color=GREY, alpha=0.2, linewidth=0)
                 axes.hlines(len(animals), *each.interval, color=VERMILION, linewidth=2)
                 axes.plot(each.mean, len(animals), "D", color=VERMILION, markersize=5)
-            unit = freedom.symbol.unit
+            unit = parameter.symbol.unit
             axes.set_xlabel(names[i] if unit == "1" else f"{names[i]} ({unit})")
             axes.set_yticks([*places, len(animals)], [*animals, "mean"])
             axes.set_ylim(len(animals) + 0.6, -0.6)

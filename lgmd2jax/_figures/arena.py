@@ -25,7 +25,7 @@ def trajectories_figure(path: str | os.PathLike, layouts: Sequence[Layout], trip
         for number, axes in enumerate(np.atleast_1d(figure.subplots(1, len(layouts)))):
             _arena(axes, layouts[number], jax.tree.map(lambda leaf, own=number: np.asarray(leaf[own]), trips))
         marks = [
-            Line2D([], [], color=BLUE, label="way of the robot's centre"),
+            Line2D([], [], color=BLUE, label="trajectory of the robot's centre"),
             Line2D([], [], color=BLUE, marker="o", markerfacecolor="none", linestyle="", label="start"),
             Line2D([], [], color=GREEN, marker="o", markerfacecolor="none", linestyle="", label="end"),
             Line2D([], [], color=ORANGE, marker=".", linestyle="", label="alarm"),

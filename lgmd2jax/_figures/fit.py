@@ -307,7 +307,7 @@ def _gaps(axes: Axes, curves: Sequence[Curve]) -> None:
         bar.set_hatch("///" if high else "")
     paper = {"facecolor": "white", "edgecolor": "none", "pad": 0.5}
     axes.bar_label(bars, fmt=lambda gap: f"{gap:.2g}" if gap >= 0.01 else "0", padding=2, fontsize=6, bbox=paper)
-    axes.axvline(100 * DISAGREEMENT, color=BLACK, linestyle=(0, (4, 2)), linewidth=0.8, label="said to differ")
+    axes.axvline(100 * DISAGREEMENT, color=BLACK, linestyle=(0, (4, 2)), linewidth=0.8, label="limit of a remark")
     axes.legend(loc="lower right")
     labels = [f"{curve.condition}, {TARGETS[curve.channel].label}" for curve in curves]
     axes.set_yticks(places, labels, fontsize=7 if len(curves) < 16 else 6)

@@ -46,7 +46,7 @@ def locate(name: str | Path, kind: str, suffix: str = ".toml") -> Path:
         raise FileNotFoundError(f"{bare} is a folder; give a file")
     shipped = (file.relative_to(folder(kind)).as_posix() for file in folder(kind).glob(f"*{suffix}"))
     known = nearest(bare, [file.removesuffix(suffix) for file in shipped])
-    raise FileNotFoundError(f"no such file: {bare}" + (f"; by name, choose {known}" if known else ""))
+    raise FileNotFoundError(f"no such file: {bare}" + (f"; by name there is {known}" if known else ""))
 
 
 def read_named(name: str | Path, kind: str, content: Callable[[Path, dict[str, Any]], Content]) -> Content:

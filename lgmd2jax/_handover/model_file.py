@@ -118,9 +118,7 @@ def load(path: str | os.PathLike, network: type[AbstractNetwork] | None = None) 
     with within(f"{path} is not a hand-over file that can be used"):
         check(MODEL_FILE, content)
         kind = _kind(content.get("network", LGMD2.__name__), network)
-        if kind is not LGMD2:
-            return _proved(kind, content)
-    return _built(kind, hard.read(path))
+        return _built(kind, hard.checked(content)) if kind is LGMD2 else _proved(kind, content)
 
 
 def _proved(kind: type[AbstractNetwork], content: Mapping[str, Any]) -> AbstractNetwork:
@@ -139,7 +137,7 @@ def as_lgmd2(model: AbstractNetwork) -> LGMD2:
     **Raises:** `ValueError` for another than an `LGMD2`.
     """
     if not isinstance(model, LGMD2):
-        raise ValueError(f"the model is a {type(model).__name__}; hard.py and the C run the LGMD2 alone")
+        raise ValueError(f"the model is a {type(model).__name__}; hard.py and the C code run only the LGMD2")
     return model
 
 

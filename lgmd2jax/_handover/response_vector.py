@@ -45,8 +45,8 @@ def response_vector(model: AbstractNetwork, fps: float | None) -> dict[str, Any]
         _, frames, response = max(candidates, key=lambda candidate: candidate[0])
     else:
         warnings.warn(
-            f"none of {_CLIPS} clips keeps clear of the thresholds of this {type(model).__name__}; the test vector "
-            "in its file is a clip that stands still, which proves little",
+            f"none of {_CLIPS} test clips stays clear of the thresholds of this {type(model).__name__}; its file has a "
+            "still clip as its test vector, which checks little",
             stacklevel=4,
         )
         frames = np.repeat(random_clip(generator)[:1], FRAMES, axis=0)

@@ -86,12 +86,8 @@ class _Trial:
 
     def _changes(self, tolerance, name, value):
         """Whether the response is another one with this threshold: looked at up to the first frame that differs."""
-        allowed = [tolerance * largest for largest in self._largest]
-        for now, expected in zip(self._steps({name: value}), self._moments, strict=True):
-            for channel, wanted, most in zip(now, expected, allowed, strict=False):
-                if not abs(channel - wanted) <= most:
-                    return True
-        return False
+        limits = [tolerance * largest for largest in self._largest]
+        return hard.first_beyond(self._steps({name: value}), self._moments, limits) is not None
 
     def is_clear(self) -> bool:
         """Whether no rounding can carry a value across a threshold.

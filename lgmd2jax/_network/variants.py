@@ -69,10 +69,10 @@ def at_eye(model: AnyNetwork, eye: Eye) -> AnyNetwork:
     **Raises:** `ValueError` for a model without an eye, and where one of the two fields is not known in degrees.
     """
     if model.eye is None:
-        raise ValueError("the model has no eye, so its own field is not known; give it one: LGMD2(..., eye=Eye())")
+        raise ValueError("the model has no eye, so its field of view is not known; give it one: LGMD2(..., eye=Eye())")
     for name, own in (("the model's eye", model.eye), ("eye", eye)):
         if own.degrees_per_pixel is None:
-            raise ValueError(f"{name} is known in pixels alone, so its field is not known; give it degrees_per_pixel")
+            raise ValueError(f"{name} has no degrees_per_pixel, so its field of view is not known; give it")
     if model.eye == eye:
         return model
     ratio = eye.field_area / model.eye.field_area

@@ -167,7 +167,7 @@ class Recipe:
         **Raises:** `ValueError` for mechanisms that do not exist, and for a network that has none.
         """
         if not isinstance(self.model, LGMD2):
-            raise ValueError(f"mechanisms are those of an LGMD2; the network of {self.name} is another")
+            raise ValueError(f"mechanisms belong to an LGMD2, and {self.name} fits another network; leave them out")
         model = dataclasses.replace(self.model, mechanisms=mechanisms)
         free = {name: line for name, line in self.table["free"].items() if name not in model.unused}
         free |= {name: {} for name in symbols() if name in self.model.unused - model.unused}

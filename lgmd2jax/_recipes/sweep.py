@@ -136,4 +136,4 @@ def _check_figure(recipe: SweepRecipe) -> None:
     if recipe.index is not None and sizes.pop(recipe.index, None) != 2:
         raise ValueError(f"figure: index is {recipe.index!r}, which is no axis of two values")
     if len(sizes) != 2:
-        raise ValueError(f"figure: the axes are {', '.join(sizes)}; a surface has two, so fix others or leave it out")
+        raise ValueError(f"figure: the axes are {', '.join(sizes)}; a surface has two: fix others, or omit [figure]")

@@ -83,8 +83,8 @@ class AlarmFolder:
 def _content(fit: AlarmFit, held_out: HeldOutScores | None) -> dict[str, Any]:
     return {
         "free": {
-            freedom.name: {"low": freedom.low, "high": freedom.high, "scale": freedom.scale}
-            for freedom in fit.free.freedoms
+            parameter.name: {"low": parameter.low, "high": parameter.high, "scale": parameter.scale}
+            for parameter in fit.free.parameters
         },
         "values": {name: float(getattr(fit.model.parameters, name)) for name in fit.free.names},
         "z": fit.z,

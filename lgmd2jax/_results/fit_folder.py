@@ -127,7 +127,7 @@ class FitFolder:
         return Documents(content, self.fit.sections(extra))
 
     def _write_draws(self, folder: Path, draws: Posterior) -> None:
-        units = {freedom.name: freedom.symbol.unit for freedom in self.fit.free.freedoms}
+        units = {parameter.name: parameter.symbol.unit for parameter in self.fit.free.parameters}
         statistics = {name: np.asarray(getattr(draws, name)) for name in _STATISTICS}
         write_posterior(folder / _POSTERIOR, self.fit.values_of(draws), units, statistics)
 

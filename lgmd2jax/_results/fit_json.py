@@ -23,20 +23,20 @@ def content_of(fit: Fit, supplement: Supplement) -> dict[str, Any]:
     """All but the curves and the model, which have files of their own; numbers that are not finite as None."""
     u = fit.uncertainty
     free = {
-        freedom.name: {
-            "value": fit.values[freedom.name],
+        parameter.name: {
+            "value": fit.values[parameter.name],
             "standard_error": u.standard_errors[i],
             "interval": u.intervals[i],
             "determined": bool(u.determined[i]),
             "on_bound": int(u.on_bound[i]),
-            "unit": freedom.symbol.unit,
-            "start": fit.start[freedom.name],
-            "low": freedom.low,
-            "high": freedom.high,
-            "scale": freedom.scale,
-            "prior": freedom.prior,
+            "unit": parameter.symbol.unit,
+            "start": fit.start[parameter.name],
+            "low": parameter.low,
+            "high": parameter.high,
+            "scale": parameter.scale,
+            "prior": parameter.prior,
         }
-        for i, freedom in enumerate(fit.free.freedoms)
+        for i, parameter in enumerate(fit.free.parameters)
     }
     observation = {name: float(getattr(fit.observation, name)) for name in observation_symbols()}
     content = {
@@ -71,7 +71,7 @@ def content_of(fit: Fit, supplement: Supplement) -> dict[str, Any]:
         "score_test": [score._asdict() for score in supplement.scores],
         "z": fit.z,
         "uncertainty": _plain_uncertainty(u),
-        "curved": fit.curved,
+        "curved": fit.nonlinear,
         "errors": fit.errors,
         "stats": fit.stats,
         "runs": [dataclasses.asdict(run) for run in fit.runs],
@@ -108,7 +108,7 @@ def fit_of(content: dict[str, Any], model: AbstractNetwork, curves: tuple[Curve,
         soft_loss=content["soft_loss"],
         temperatures=tuple(content["temperatures"]),
         uncertainty=_uncertainty(tuple(choices), content["uncertainty"]),
-        curved=tuple(content["curved"]),
+        nonlinear=tuple(content["curved"]),
         curves=tuple(
             dataclasses.replace(curve, quote=entry.get("quote", ""))
             for curve, entry in zip(curves, content["curves"], strict=True)

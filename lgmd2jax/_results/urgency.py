@@ -39,9 +39,9 @@ def add_urgency(
 def _summary(found: Reliability, within_ms: float) -> str:
     brier, slope, offset = found.brier, found.slope, found.intercept
     return (
-        f"urgency: contact within {within_ms:g} ms, on {found.frames.sum()} frames of clips that no fit saw\n"
-        f"  Brier score {brier.value:.4f} ({brier.low:.4f} .. {brier.high:.4f}), "
-        f"of a probability that never changes {found.brier_of_the_mean:.4f}\n"
-        f"  log-odds that came true over foretold ones: slope {slope.value:.2f} ({slope.low:.2f} .. {slope.high:.2f}), "
+        f"urgency: probability of contact within {within_ms:g} ms, on {found.frames.sum()} frames of held-out clips\n"
+        f"  Brier score {brier.value:.4f} ({brier.low:.4f} .. {brier.high:.4f}); "
+        f"of a constant probability {found.brier_of_the_mean:.4f}\n"
+        f"  observed over predicted log-odds: slope {slope.value:.2f} ({slope.low:.2f} .. {slope.high:.2f}), "
         f"intercept {offset.value:.2f} ({offset.low:.2f} .. {offset.high:.2f})"
     )

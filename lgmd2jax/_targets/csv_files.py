@@ -163,7 +163,7 @@ def _standard_error(trials: np.ndarray) -> tuple[np.ndarray, str]:
     variance = np.var(trials, axis=0, ddof=1)
     drawn = ((count - 1) * variance + _POOLED * variance.mean()) / (count - 1 + _POOLED)
     if not drawn.any():
-        raise ValueError("the trials are all alike, which tells no error; name one of them as the column")
+        raise ValueError("the trials are all equal, so that no standard error follows; name one of them as the column")
     return np.sqrt(drawn / count), f"s.e.m. over {count} trials, drawn towards one that all times share"
 
 

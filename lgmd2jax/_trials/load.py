@@ -74,12 +74,12 @@ def load_trials(
     )
     if not sources:
         raise ValueError("no file is named; give at least one")
+    files = [file for source in sources if not is_neo(source) for file in _files(Path(source))]
     drafts: list[Draft] = []
     remarks: list[str] = []
     with within(", ".join("Neo" if is_neo(source) else str(source) for source in sources)):
         for objects in filter(is_neo, sources):
             drafts += drafts_of_neo(objects, reading, "animal")[0]
-        files = [file for source in sources if not is_neo(source) for file in _files(Path(source))]
         tables: list[tuple[str, Columns]] = []
         for file in files:
             with _part(file.name, files):
@@ -110,7 +110,7 @@ def _part(name: str, parts: Sequence[Any]) -> AbstractContextManager[None]:
 def _files(path: Path) -> list[Path]:
     """The file, or the text files of a folder."""
     if not path.exists():
-        raise FileNotFoundError(f"there is no file {path}")
+        raise FileNotFoundError(f"no such file: {path}")
     if not path.is_dir():
         return [path]
     files = sorted(file for file in path.iterdir() if file.suffix.lower() in _TEXT and not file.name.startswith("."))
@@ -135,7 +135,7 @@ def _reader(path: Path) -> Callable[[Path, Reading], tuple[list[Draft], list[str
 def _tables(path: Path, reading: Reading) -> list[tuple[str, Columns]]:
     """The tables of a file, each with the name that an animal has where the table tells none."""
     if path.suffix.lower() in _WORKBOOK:
-        sheets = sheets_of(path)
+        sheets = sheets_of(path, reading.decimal or ".")
         return [(path.stem, table) for _, table in sheets] if len(sheets) < 3 else sheets
     table = read_columns(path, reading.separator, reading.decimal or ".")
     cells = [cell for row in table.rows for cell in row]

@@ -19,9 +19,10 @@ _HDF5 = b"MATLAB 7.3"
 
 def drafts_of_matlab(path: Path, reading: Reading) -> tuple[list[Draft], list[str]]:
     """The trials of a struct array with a field of spike times, of a cell array of spike times beside vectors of equal
-    length, or of vectors with a value a spike.
+    length, of a matrix with a row a trial, which NaN fills up, or of vectors with a value a spike.
 
-    **Raises:** `ValueError` for another content, for a missing unit, and for what is no Matlab file.
+    **Raises:** `ValueError` for another content, for a missing unit, for rows of a matrix that do not rise, as of one
+    with a column a trial, and for what is no Matlab file.
     """
     fields = _fields(_variables(path))
     name = reading.time or _name_of_trains(fields)
@@ -30,12 +31,34 @@ def drafts_of_matlab(path: Path, reading: Reading) -> tuple[list[Draft], list[st
         raise ValueError(f"no variable or field is named like spike times; name it by time (--time), one of {held}")
     if all(np.ndim(value) == 0 for value in fields[name]):
         return drafts_of_table(_table(fields), reading, path.stem)
-    trains = [np.ravel(np.asarray(train, dtype=float)).tolist() for train in fields.pop(name)]
+    _check_rows(name, fields[name])
+    trains = [_train(train, name, number) for number, train in enumerate(fields.pop(name), start=1)]
     size = milliseconds(name, [time for train in trains for time in train], reading.time_unit)
     trains = [[size * time for time in train] for train in trains]
     if not any(split(other)[0] in ROLES["trial"] for other in fields) and reading.trial is None:
         fields["trial"] = list(range(1, len(trains) + 1))
     return drafts_of_trains(_table(fields), trains, reading, path.stem)
+
+
+def _train(values: Any, name: str, number: int) -> list[float]:
+    """The spike times of a trial."""
+    if np.iscomplexobj(values):
+        raise ValueError(f"{name!r} of trial {number} is complex; give spike times")
+    times = np.ravel(np.asarray(values, dtype=float))
+    given = np.flatnonzero(~np.isnan(times))
+    return times[: given[-1] + 1].tolist() if given.size else []
+
+
+def _check_rows(name: str, rows: Sequence[Any]) -> None:
+    """Refuse a matrix whose rows cannot be spike times: a column is a trial, or 0 fills it up, or it is a raster."""
+    if len({np.shape(row) for row in rows}) > 1 or np.asarray(rows).dtype.kind not in "biuf":
+        return
+    steps = np.diff(np.asarray(rows, dtype=float).reshape(len(rows), -1))
+    if not np.all((steps > 0) | np.isnan(steps)):
+        raise ValueError(
+            f"times in the rows of the matrix {name!r} do not rise; give a row for each trial (transpose it), filled "
+            "up with NaN"
+        )
 
 
 def _table(fields: Mapping[str, Sequence[Any]]) -> Columns:
@@ -96,8 +119,11 @@ def _hdf5(path: Path) -> dict[str, Any]:
     need("h5py", extra="matlab")
     import h5py
 
-    with h5py.File(path) as file:
-        return {name: _of_hdf5(file, value) for name, value in file.items() if not name.startswith("#")}
+    try:
+        with h5py.File(path) as file:
+            return {name: _of_hdf5(file, value) for name, value in file.items() if not name.startswith("#")}
+    except (ValueError, KeyError, RuntimeError, OSError) as error:
+        raise ValueError(f"this is no Matlab file: {' '.join(str(error).split()):.100}") from error
 
 
 def _of_hdf5(file: Any, value: Any) -> Any:

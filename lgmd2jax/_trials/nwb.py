@@ -64,11 +64,11 @@ def _content(path: Path) -> _Content:
 
 
 def _units(table: Any) -> dict[str, np.ndarray]:
-    """Spike times in seconds by the names of the units, or by their numbers."""
+    """Spike times in seconds by the names of the units, or by their numbers where names are lacking or alike."""
     if table is None or "spike_times" not in table.colnames:
         return {}
     named = next((name for name in _UNIT_NAMES if name in table.colnames), None)
-    names = table.id[:] if named is None else table[named][:]
+    names = table.id[:] if named is None or len(set(table[named][:])) < len(table) else table[named][:]
     return {str(name): np.asarray(table["spike_times"][row], dtype=float) for row, name in enumerate(names)}
 
 

@@ -162,6 +162,8 @@ def _rates(animal: str, speed: float, trials: Sequence[Trial], kernel_ms: float 
     """The rates where a peak may lie, and what speaks against them."""
     start, end = max(trial.start_ms for trial in trials), min(trial.end_ms for trial in trials)
     edges = np.arange(np.ceil(start), np.floor(end) + _BIN_MS / 2, _BIN_MS)
+    if edges.size < 2:
+        return Rates(animal, speed, edges[:0], np.zeros((len(trials), 0))), "there is no time that all trials recorded"
     counts = np.stack([np.histogram(trial.spikes_ms, edges)[0] for trial in trials])
     rates = _smooth(1000 / _BIN_MS * counts, kernel_ms or KERNEL_MS)
     time, mean, base = edges[:-1] + _BIN_MS / 2, rates.mean(axis=0), base_rate(trials)

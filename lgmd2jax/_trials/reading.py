@@ -82,6 +82,9 @@ def trials_of(drafts: Sequence[Draft], reading: Reading, remarks: Sequence[str] 
     spikes = np.concatenate([np.asarray(draft.spikes, float) for draft in drafts])
     if not spikes.size:
         raise ValueError("there is no spike in any trial")
+    if not np.isfinite(spikes).all():
+        wrong = next(draft for draft in drafts if not np.isfinite(draft.spikes).all())
+        raise ValueError(f"animal {wrong.animal}, trial {wrong.name}: a spike time is not finite; leave it out")
     _check_times(drafts, spikes)
     common = reading.window or (min(math.floor(spikes.min()), 0), max(math.ceil(spikes.max()), 0))
     if reading.window is None and any(draft.span is None for draft in drafts):
@@ -137,6 +140,8 @@ def one_of(kind: str, names: Sequence[str], given: str | None) -> int:
     if given is not None:
         if given not in names:
             raise ValueError(f"{kind} is {given!r}; choose one of {held}")
+        if names.count(given) > 1:
+            raise ValueError(f"there are {names.count(given)} {kind}s named {given!r}; give them names of their own")
         return names.index(given)
     if len(names) != 1:
         raise ValueError(

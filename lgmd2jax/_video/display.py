@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import UInt8
 
 from lgmd2jax._files.atomic import replaced
-from lgmd2jax._video.container import pyav
+from lgmd2jax._pyav import pyav
 from lgmd2jax.stimuli import Stimulus
 
 _PATCH = 0.08  # of the picture's height, at least two pixels

@@ -12,7 +12,7 @@ import numpy as np
 import tifffile
 from PIL import Image, ImageFile
 
-from lgmd2jax._video.container import open_container, pyav
+from lgmd2jax._pyav import open_container, pyav
 from lgmd2jax._video.image_pixels import ImagePixels, remarks_on_depth
 from lgmd2jax._video.orientation import Orientation
 

@@ -7,7 +7,7 @@ import time
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from lgmd2jax._video.container import open_container, pyav
+from lgmd2jax._pyav import open_container, pyav
 from lgmd2jax._video.orientation import Orientation
 from lgmd2jax._video.video_pixels import Scaler, VideoPixels
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lgmd2jax._video.container import open_container, pyav
+from lgmd2jax._pyav import open_container, pyav
 from lgmd2jax._video.orientation import Orientation
 from lgmd2jax._video.remarks import warn
 from lgmd2jax._video.video_pixels import Scaler, VideoPixels

@@ -7,7 +7,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from lgmd2jax._video.container import pyav
+from lgmd2jax._pyav import pyav
 from lgmd2jax._video.grey import Picture
 
 _TICKS = 90_000  # a second
@@ -16,15 +16,13 @@ _TICKS = 90_000  # a second
 class VideoWriter:
     """Encodes pictures at their own times. h264 needs even sizes, so an odd edge is repeated once."""
 
-    def __init__(self, container, fps: float):
-        self._container = container
+    def __init__(self, av, container, fps: float):
+        self._av, self._container = av, container
         self._fps = fps
         self._stream = None
 
     def write(self, picture: Picture, time: float) -> None:
         """Append a picture that is shown from `time`, in ms."""
-        import av
-
         picture = np.pad(picture, [(0, picture.shape[0] % 2), (0, picture.shape[1] % 2), (0, 0)], mode="edge")
         if self._stream is None:
             rate = Fraction(self._fps).limit_denominator(1001)
@@ -33,7 +31,7 @@ class VideoWriter:
             stream.pix_fmt = "yuv420p"
             stream.codec_context.time_base = Fraction(1, _TICKS)
             self._stream = stream
-        frame = av.VideoFrame.from_ndarray(np.ascontiguousarray(picture), format="rgb24")
+        frame = self._av.VideoFrame.from_ndarray(np.ascontiguousarray(picture), format="rgb24")
         frame.pts, frame.time_base = round(time / 1000 * _TICKS), Fraction(1, _TICKS)
         self._container.mux(self._stream.encode(frame))
 
@@ -55,6 +53,6 @@ def video_writer(path: str | os.PathLike, fps: float) -> Iterator[VideoWriter]:
     except (ValueError, av.error.FFmpegError):
         raise ValueError("cannot tell the format of the video; end its name in .mp4, .mkv or .mov") from None
     with container:
-        writer = VideoWriter(container, fps)
+        writer = VideoWriter(av, container, fps)
         yield writer
         writer.close()

@@ -191,7 +191,7 @@ def _ranges(problem: AlarmProblem, screenings: Sequence[Screening]) -> dict[str,
         return {}
     low, high = ends[:, 0].min(axis=0), ends[:, 1].max(axis=0)
     return {
-        freedom.name: (float(freedom.value(low[i])), float(freedom.value(high[i])))
-        for i, freedom in enumerate(problem.free.freedoms)
+        parameter.name: (float(parameter.value(low[i])), float(parameter.value(high[i])))
+        for i, parameter in enumerate(problem.free.parameters)
         if i != problem.threshold
     }

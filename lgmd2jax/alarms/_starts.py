@@ -217,12 +217,12 @@ class AlarmStarts:
     ) -> tuple[Contender, Bool[np.ndarray, " cell"]]:
         """The best cell for some of the events; and which cells are right on all of these."""
         problem = self.search.space
-        freedom = problem.free.freedoms[problem.threshold]
+        parameter = problem.free.parameters[problem.threshold]
         wanted, weights = problem.wanted[among], problem.weights[among]
-        choice = choose(peaks[:, among], wanted, weights, freedom.low, freedom.high, _SLACK)
+        choice = choose(peaks[:, among], wanted, weights, parameter.low, parameter.high, _SLACK)
         place, z = int(choice.risk.argmin()), np.array(point)
         z[list(problem.cell_entries)] = cells[place]
-        z[problem.threshold] = float(freedom.place(choice.threshold[place]))
+        z[problem.threshold] = float(parameter.place(choice.threshold[place]))
         best = Contender(
             z=tuple(z.tolist()),
             peaks=tuple(peaks[place].tolist()),

@@ -16,6 +16,7 @@ from lgmd2jax.arena._detectors import AbstractDetector, FrameDifference, Network
 from lgmd2jax.arena._layout import Layout
 from lgmd2jax.arena._run import Start, run, trips
 from lgmd2jax.arena._scores import Outcome
+from lgmd2jax.fitting._free import between
 
 FIRST_SEED = 1_000_000  # of the arenas for training; those judged count from 0
 LEAST_COVERAGE = 0.75  # of that without a detector; a quarter of it may be lost, as what is asked for leaves 30 %
@@ -47,7 +48,7 @@ class Range:
         """The values at shares 0..1 of the range."""
         if self.whole:
             return np.floor(self.low + share * (self.high + 1 - self.low))
-        return self.low * (self.high / self.low) ** share if self.log else self.low + share * (self.high - self.low)
+        return between(self.low, self.high, "log" if self.log else "linear", share)
 
 
 @dataclasses.dataclass(frozen=True)

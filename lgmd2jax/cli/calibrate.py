@@ -1,43 +1,39 @@
 """`lgmd2jax calibrate RECIPE`: the probability of contact for a model that was fitted to labelled clips."""
 
 import argparse
-from pathlib import Path
+import math
 
-from lgmd2jax._eye import Eye
 from lgmd2jax._files.atomic import read_json
 from lgmd2jax._files.lock import locked
 from lgmd2jax._handover.model_file import load
 from lgmd2jax._results.results_folder import ALARM_FIT, MARKER
 from lgmd2jax._results.urgency import URGENCY_FILES, add_urgency
 from lgmd2jax.alarms import load_recipe
-from lgmd2jax.cli.recipe_results import clips_bar, folder_of
+from lgmd2jax.cli.recipe_results import check_eyes, clips_bar, folder_of
 
 _WITHIN_MS = 500.0
 
 
 def run(options: argparse.Namespace) -> None:
     """Calibrate on the recipe's clips, judge on its validation clips, add what came out to the folder."""
+    given = options.within_ms
+    if given is not None and not (math.isfinite(given) and given > 0):
+        raise ValueError(f"--within-ms is {given:g}; give a positive number of ms")
     recipe = load_recipe(options.recipe)
     folder = folder_of(options, recipe.name)
     if not ((folder / MARKER).is_file() and (folder / "model.json").is_file()):
         raise ValueError(f"{folder} holds no fit (there is no {MARKER}); make it first: lgmd2jax fit {options.recipe}")
     if read_json(folder / MARKER).get("format") != ALARM_FIT:
         raise ValueError(f"{folder} holds a fit to curves; give the folder of one to labelled clips by -o")
-    _check_eye(load(folder / "model.json").eye, recipe.file.eye, folder)
+    if (eye := load(folder / "model.json").eye) is not None:
+        cure = "give the recipe by which it was fitted"
+        check_eyes(eye, f"the model in {folder}", recipe.file.eye, f"the recipe {options.recipe}", cure)
     if recipe.validation is None:
         raise ValueError(f"{options.recipe} has no [validation]: nothing would say whether the urgency holds; add it")
-    within_ms = options.within_ms if options.within_ms is not None else recipe.within_ms or _WITHIN_MS
+    within_ms = given or recipe.within_ms or _WITHIN_MS
+    if within_ms < (frame_ms := 1000 / recipe.file.eye.fps):
+        raise ValueError(f"within {within_ms:g} ms is less than a frame, {frame_ms:.3g} ms; was it meant in s?")
     with locked(folder):
         said = add_urgency(folder, recipe.file.load(clips_bar), recipe.held_out(), within_ms)
     print(said)
     print(f"wrote {folder}/model.json, {', '.join(URGENCY_FILES)}")
-
-
-def _check_eye(own: Eye | None, clips: Eye, folder: Path) -> None:
-    """Refuse clips of another rate or scale than the parameters belong to."""
-    for name in ("fps", "degrees_per_pixel"):
-        if own is not None and getattr(own, name) != getattr(clips, name):
-            raise ValueError(
-                f"the model in {folder} belongs to {name} = {getattr(own, name):g}, the clips have "
-                f"{getattr(clips, name):g}; give the recipe that it was fitted by"
-            )

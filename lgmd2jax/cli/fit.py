@@ -2,8 +2,10 @@
 
 import argparse
 import dataclasses
+import importlib
 import re
 import time
+from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -22,6 +24,7 @@ from lgmd2jax.fitting import AnimalFits, Fit, Supplement
 from lgmd2jax.fitting._search.descent import STOPPED
 
 _DRAWS = "the draws of the posterior"
+_OVER_ANIMALS = "animals.csv", "animals.png", "report.txt"  # beside the folders of fits to one animal each
 
 
 def run(options: argparse.Namespace) -> None:
@@ -52,21 +55,35 @@ def run(options: argparse.Namespace) -> None:
 def _fit_animals(options: argparse.Namespace, recipe: Recipe, folder: Path, start: float) -> None:
     """Make one fit an animal, each in a folder of its own, and what holds over them."""
     folder.mkdir(exist_ok=True)
-    fits = {}
-    for animal, own in recipe.each().items():
-        place = folder / re.sub(r"[^\w.-]", "_", animal)
+    fits, recipes = {}, recipe.each()
+    for (animal, own), name in zip(recipes.items(), folder_names(recipes), strict=True):
+        place = folder / name
         if options.resume and is_finished(place) and read_json(place / MARKER).get("digest") == own.digest():
             fits[animal] = load_fit(place)
         else:
             fits[animal], _ = _fit_curves(options, own, place, time.monotonic())
     animals = AnimalFits(fits)
-    for name, write in (("animals.csv", animals.write_csv), ("animals.png", animals.plot)):
-        with replaced(folder / name) as temporary:
+    table, figure, report = (folder / name for name in _OVER_ANIMALS)
+    for path, write in ((table, animals.write_csv), (figure, animals.plot)):
+        with replaced(path) as temporary:
             write(temporary)
-    with replaced(folder / "report.txt") as temporary:
+    with replaced(report) as temporary:
         temporary.write_text(animals.summary() + "\n", encoding="utf-8")
     print(animals.summary())
     print(f"\nwrote {folder}/ in {time.monotonic() - start:.0f} s: a folder an animal, animals.csv and animals.png")
+
+
+def folder_names(animals: Iterable[str]) -> list[str]:
+    """A name of a folder for each animal, of letters that all file systems take, no two alike."""
+    taken: set[str] = {*_OVER_ANIMALS}
+    names = []
+    for animal in animals:
+        name = re.sub(r"[^\w.-]", "_", animal).lstrip(".") or "_"
+        while name.lower() in taken:
+            name += "_"
+        taken.add(name.lower())
+        names.append(name)
+    return names
 
 
 def _fit_curves(options: argparse.Namespace, recipe: Recipe, folder: Path, start: float) -> tuple[Fit, Supplement]:
@@ -74,7 +91,9 @@ def _fit_curves(options: argparse.Namespace, recipe: Recipe, folder: Path, start
     if recipe.samples:
         check_packages()
     digest = recipe.digest()
-    with kept_work(folder, digest, options.resume) as memory:
+    # XLA leaves one core to the pool: it loads matplotlib beside the search, and draws beside what follows.
+    with kept_work(folder, digest, options.resume) as memory, ThreadPoolExecutor(1) as pool:
+        pool.submit(importlib.import_module, "lgmd2jax._figures.fit")
         print(f"fitting {', '.join(recipe.free.names)} to {len(recipe.pairs)} conditions of {recipe.name}", flush=True)
         fit = recipe.run(progress=True, memory=memory)
         notes, provenance = records(recipe, digest, start, folder)
@@ -86,14 +105,13 @@ def _fit_curves(options: argparse.Namespace, recipe: Recipe, folder: Path, start
             write_stopped(folder, lambda: results.begin(extra, provenance | {"unfinished": SEARCH}), fit.summary(extra))
         extra = Supplement(truth=recipe.truth, unfinished=tuple(left))
         results.begin(extra, provenance)
-        with ThreadPoolExecutor(1) as pool:  # XLA leaves one core to it
-            drawing = pool.submit(results.draw, extra)
-            for words, add_to in further.items():
-                left.remove(words)
-                extra = dataclasses.replace(add_to(extra), unfinished=tuple(left))
-                drawing.result()  # the folder is written by one at a time
-                results.add(extra)
-            drawing.result()
+        drawing = pool.submit(results.draw, extra)
+        for words, add_to in further.items():
+            left.remove(words)
+            extra = dataclasses.replace(add_to(extra), unfinished=tuple(left))
+            drawing.result()  # the folder is written by one at a time
+            results.add(extra)
+        drawing.result()
         if recipe.samples:
             draws = fit.sample(jax.random.key(recipe.seed), recipe.samples, memory=memory)
             extra = dataclasses.replace(extra, unfinished=())

@@ -28,11 +28,11 @@ from lgmd2jax.alarms import (
     load_labels,
 )
 from lgmd2jax.alarms._detectors import MODEL, TABLE_I, WORDS
-from lgmd2jax.cli.recipe_results import clips_bar, folder_of, kept_work, records, write_stopped
+from lgmd2jax.cli.recipe_results import check_eyes, clips_bar, folder_of, kept_work, records, write_stopped
 
 _HELD_OUT = "the scores on clips that the fit did not see"
 _URGENCY = "the urgency"
-_WITHOUT = "Each source of recorded clips, judged by what was fitted without it"
+_WITHOUT = "Each source of recorded clips, evaluated by a fit without it"
 _TRAINING = 200  # fitted clips on which detectors choose their thresholds
 
 
@@ -63,7 +63,7 @@ def run(options: argparse.Namespace, recipe: AlarmRecipe, start: float) -> None:
         alarms = sum(len(clip.windows) for clip in clips)
         print(f"fitting {', '.join(recipe.free.names)} to {len(clips)} clips with {alarms} alarms wanted", flush=True)
         if not any(clip.silent for clip in clips):
-            print("no clip has a silence: nothing here speaks against a model that always fires", flush=True)
+            print("no clip has a silence, so that a model that always fires would be right", flush=True)
         fit = recipe.run(clips, progress=True, memory=memory)
         left = [_HELD_OUT] if recipe.validation is not None or fit.without else []
         left += [] if recipe.within_ms is None else [_URGENCY]
@@ -87,11 +87,8 @@ def run(options: argparse.Namespace, recipe: AlarmRecipe, start: float) -> None:
 
 def _own_clips(path: Path, recipe: AlarmRecipe) -> tuple[LabelledClip, ...]:
     """The clips of another file; they may have a size of their own, but parameters belong to a rate and a scale."""
-    file, eye = load_labels(path), recipe.file.eye
-    for name in ("fps", "degrees_per_pixel"):
-        value, expected = getattr(file.eye, name), getattr(eye, name)
-        if value != expected:
-            raise ValueError(f"{path} has {name} = {value}, the recipe's clips have {expected}; use one eye for both")
+    file = load_labels(path)
+    check_eyes(file.eye, str(path), recipe.file.eye, "the recipe", "use the recipe's in the [eye] of the labels")
     return file.load(clips_bar)
 
 
@@ -128,7 +125,7 @@ def _training(fit: AlarmFit, clips: Sequence[LabelledClip]) -> tuple[str, list[L
     chosen = rendered if rendered.any() else np.ones(len(clips), bool)
     chosen &= np.cumsum(chosen) <= _TRAINING
     some = [clip for clip, on in zip(clips, chosen, strict=True) if on]
-    return f"by {len(some)} of the clips that were fitted", some, fit.evaluation.among(chosen)
+    return f"by {len(some)} of the fitted clips", some, fit.evaluation.among(chosen)
 
 
 def _kept(

@@ -15,6 +15,8 @@ from lgmd2jax.cli.options.import_trials import SCREEN
 from lgmd2jax.cli.trials_data import trials_of
 from lgmd2jax.stimuli import looming
 
+_FASTEST = 10_000.0  # frames a second of a screen
+
 
 def run(options: argparse.Namespace) -> None:
     """Read the trials, print what was found, and write the folder."""
@@ -48,6 +50,8 @@ def _check_screen(screen: Mapping[str, float | str]) -> None:
         if isinstance(value, str):
             raise ValueError(f"{name} is {value!r} in the recordings; write a number there, such as {SCREEN[name]:g}")
     values: dict[str, Any] = dict(screen)
+    if values["fps"] > _FASTEST:
+        raise ValueError(f"fps is {values['fps']:g}; no screen shows more than {_FASTEST:g} frames per second")
     eye = Eye(rows=3, cols=3, degrees_per_pixel=2.0, fps=values.pop("fps"))
     looming(eye, l_over_v=20.0, start_ms=-4000 / eye.fps, end_ms=0.0, **values)
 

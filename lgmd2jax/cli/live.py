@@ -35,6 +35,8 @@ def run(options: argparse.Namespace) -> None:
         raise ValueError(f"{outputs[0].name} is named twice; table and overlay need names of their own")
     if not (math.isfinite(options.timeout) and options.timeout > 0):
         raise ValueError(f"timeout is {options.timeout:g}; give a positive number of seconds")
+    if options.resize is not None and options.resize < 3:
+        raise ValueError(f"resize is {options.resize}; give a width of at least 3 pixels")
     model, program = _model(options)
     crop = (slice(None), slice(None)) if options.crop is None else window_of(options.crop)
     cols = options.resize or (_COLS if model.eye is None else model.eye.cols)

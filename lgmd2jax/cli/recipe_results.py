@@ -1,4 +1,4 @@
-"""Where the results of a recipe and its unfinished work are kept."""
+"""What commands that take a recipe share: its folder, its unfinished work, and whether eyes are alike."""
 
 import argparse
 import contextlib
@@ -12,6 +12,7 @@ from typing import Any, NoReturn
 from tqdm import tqdm
 
 from lgmd2jax._compute.finished_work import FileMemory
+from lgmd2jax._eye import Eye
 from lgmd2jax._files.catalogue import results_folder
 from lgmd2jax._files.folder import check_folder
 from lgmd2jax._files.lock import locked
@@ -30,6 +31,15 @@ def folder_of(options: argparse.Namespace, name: str) -> Path:
 def clips_bar(jobs: Iterable) -> Iterable:
     """A bar while labelled clips are decoded and rendered."""
     return tqdm(jobs, "clips", unit="source", leave=False, disable=None)
+
+
+def check_eyes(one: Eye, of_one: str, other: Eye, of_other: str, cure: str) -> None:
+    """Refuse eyes of two rates or scales: a model's parameters belong to one of each. Their fields may differ."""
+    for name in ("fps", "degrees_per_pixel"):
+        if getattr(one, name) != getattr(other, name):
+            raise ValueError(
+                f"{of_one} has {name} = {getattr(one, name)}, but {of_other} has {getattr(other, name)}; {cure}"
+            )
 
 
 @contextlib.contextmanager

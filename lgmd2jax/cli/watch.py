@@ -22,12 +22,12 @@ def run(options: argparse.Namespace) -> None:
         check_figure_path(options.figure)
     model = with_parameters(model_named(options.model), options.set)
     if not isinstance(model, LGMD2):
-        raise ValueError(f"{options.model} is no LGMD2; its alarms are counted otherwise: see lgmd2jax respond")
+        raise ValueError(f"{options.model} is no LGMD2; for another network use lgmd2jax respond")
     file = load_labels(options.labels)
     if model.eye is not None and model.eye.degrees_per_pixel != file.eye.degrees_per_pixel:
         print(
-            f"lgmd2jax: warning: the model has degrees_per_pixel = {model.eye.degrees_per_pixel}, "
-            f"{options.labels} {file.eye.degrees_per_pixel}: at another scale other parameters are right",
+            f"lgmd2jax: warning: the model has degrees_per_pixel = {model.eye.degrees_per_pixel}, but {options.labels} "
+            f"has {file.eye.degrees_per_pixel}; parameters belong to one scale",
             file=sys.stderr,
         )
     outputs = [path for path in (options.csv, options.figure, options.json) if path]

@@ -88,36 +88,36 @@ class AnimalFits:
         return {name: self._population(i) for i, name in enumerate(self.free.names)}
 
     def _population(self, i: int) -> Population:
-        freedom = self.free.freedoms[i]
+        parameter = self.free.parameters[i]
         known = [fit for fit in self.fits.values() if fit.uncertainty.determined[i] and not fit.uncertainty.on_bound[i]]
         if len(known) < _FEWEST:
             return Population(math.nan, (math.nan, math.nan), math.nan, math.nan, len(known))
         errors = np.array([math.sqrt(fit.uncertainty.covariance_z[i, i]) for fit in known])
         over = random_effects(np.array([fit.z[i] for fit in known]), np.maximum(errors, 1e-9))
-        low, high = (float(freedom.value(np.clip(end, 0, 1))) for end in over.interval)
-        spread = over.spread * float(freedom.slope(over.mean))
-        return Population(float(freedom.value(over.mean)), (low, high), spread, over.inconsistency, len(known))
+        low, high = (float(parameter.value(np.clip(end, 0, 1))) for end in over.interval)
+        spread = over.spread * float(parameter.slope(over.mean))
+        return Population(float(parameter.value(over.mean)), (low, high), spread, over.inconsistency, len(known))
 
     def sections(self) -> list[Section]:
         """The report: each animal's parameters, and these over animals."""
         free, numbers = self.free, tuple(f"{animal}|" for animal in self.fits)
         rows = []
-        for i, freedom in enumerate(free.freedoms):
+        for i, parameter in enumerate(free.parameters):
             cells = [_estimate(fit, i) for fit in self.fits.values()]
-            rows.append((freedom.name, _unit(freedom.symbol.unit), *cells))
+            rows.append((parameter.name, _unit(parameter.symbol.unit), *cells))
         rows.append(("chi2 a degree of freedom", "", *(_reduced(fit) for fit in self.fits.values())))
         rows.append(("result", "", *(fit.result for fit in self.fits.values())))
         over = tuple(
             (
-                freedom.name,
-                _unit(freedom.symbol.unit),
+                parameter.name,
+                _unit(parameter.symbol.unit),
                 plain(each.mean),
                 f"{plain(each.interval[0])} .. {plain(each.interval[1])}",
                 plain(each.spread),
                 f"{each.inconsistency:.0%}",
                 f"{each.animals} of {len(self.fits)}",
             )
-            for freedom, each in zip(free.freedoms, self.population.values(), strict=True)
+            for parameter, each in zip(free.parameters, self.population.values(), strict=True)
             if each.animals >= _FEWEST
         )
         columns = ("parameter", "unit", "mean|", "95 % interval|", "spread|", "I2|", "animals|")
@@ -155,13 +155,13 @@ class AnimalFits:
         with open(path, "w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             writer.writerow(["animal", "parameter", "unit", "value", "standard_error", "low", "high", "spread"])
-            for i, freedom in enumerate(self.free.freedoms):
-                head = freedom.name, freedom.symbol.unit
+            for i, parameter in enumerate(self.free.parameters):
+                head = parameter.name, parameter.symbol.unit
                 for animal, fit in self.fits.items():
                     u = fit.uncertainty
                     known = [u.standard_errors[i], *u.intervals[i]] if u.determined[i] else [math.nan] * 3
-                    writer.writerow([animal, *head, *_cells(fit.values[freedom.name], *known, math.nan)])
-                each = self.population[freedom.name]
+                    writer.writerow([animal, *head, *_cells(fit.values[parameter.name], *known, math.nan)])
+                each = self.population[parameter.name]
                 writer.writerow(["population", *head, *_cells(each.mean, math.nan, *each.interval, each.spread)])
 
     def __repr__(self):

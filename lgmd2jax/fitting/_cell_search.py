@@ -98,14 +98,14 @@ def _with_best_rate(problem: Problem, z: Float[Array, " free"], curves: Curves) 
         g = _within_bounds(problem, gain[0], (s * sxy - sx * sy) / jnp.maximum(s * sxx - sx * sx, 1e-12))
     if baseline:
         b = _within_bounds(problem, baseline[0], (sy - g * sx) / s)
-        z = z.at[baseline[0]].set(problem.free.freedoms[baseline[0]].place(b))
+        z = z.at[baseline[0]].set(problem.free.parameters[baseline[0]].place(b))
     if gain:
         g = _within_bounds(problem, gain[0], (sxy - b * sx) / jnp.maximum(sxx, 1e-12))
-        z = z.at[gain[0]].set(problem.free.freedoms[gain[0]].place(g))
+        z = z.at[gain[0]].set(problem.free.parameters[gain[0]].place(g))
     leaves = [b + g * shapes[i] if i in shapes else leaf for i, leaf in enumerate(leaves)]
     return z, jax.tree.unflatten(tree, leaves)
 
 
 def _within_bounds(problem: Problem, index: int, value: Float[Array, ""]) -> Float[Array, ""]:
-    freedom = problem.free.freedoms[index]
-    return jnp.clip(value, freedom.low, freedom.high)
+    parameter = problem.free.parameters[index]
+    return jnp.clip(value, parameter.low, parameter.high)

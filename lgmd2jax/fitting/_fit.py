@@ -160,23 +160,25 @@ def fit(
     if absolute_errors is None:
         absolute_errors = all(target.has_error for _, targets in pairs for target in targets)
     u = _uncertainty(problem, z, slopes, absolute_errors)
-    residuals, curved = chi2_residuals(problem, temperatures[-1], u.variance), ()
+    residuals, nonlinear = chi2_residuals(problem, temperatures[-1], u.variance), ()
     if problem.has_counts:
         u = dataclasses.replace(u, intervals=profiled_intervals(residuals, z, u, free.unpacked))
     else:
-        curved = nonlinear_parameters(residuals, z, u)
+        nonlinear = nonlinear_parameters(residuals, z, u)
     model, observation = problem.at(z)
     return Fit(
         model=model,
         observation=observation,
         free=free,
         z=z,
-        start={freedom.name: float(freedom.value(at)) for freedom, at in zip(free.freedoms, start, strict=True)},
+        start={
+            parameter.name: float(parameter.value(at)) for parameter, at in zip(free.parameters, start, strict=True)
+        },
         loss=value,
         soft_loss=0.5 * float(np.square(slopes.residuals).sum()),
         temperatures=temperatures,
         uncertainty=u,
-        curved=curved,
+        nonlinear=nonlinear,
         curves=_curves(problem, observation, pairs, slopes, _hard_curves(problem, jax.device_put(z)), u),
         runs=tuple(runs),
         screened=tuple(sorted(point["loss"] for point in screened.values())),
@@ -218,7 +220,7 @@ def _check(pairs: Sequence[Rendered], free: Free, loss: str, counts: dict[str, i
     of_rate = [name for name in free.names if name in observation_symbols()]
     if of_rate and not any(target.channel == "rate" for target in targets):
         raise ValueError(f"{of_rate[0]} is free, but no target is a rate, which alone depends on it; fix it")
-    with_prior = [freedom.name for freedom in free.freedoms if freedom.prior]
+    with_prior = [parameter.name for parameter in free.parameters if parameter.prior]
     if with_prior and not all(target.has_error for target in targets):
         raise ValueError(
             f"{with_prior[0]} has a prior, which can only be weighed against data of known error; give targets an error"

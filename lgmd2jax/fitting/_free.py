@@ -14,7 +14,7 @@ from jaxtyping import Array, Float
 from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.parameters import Parameters, ParameterSet, Symbol, symbols
 from lgmd2jax._targets.observation import Observation, observation_symbols
-from lgmd2jax._words import nearest
+from lgmd2jax._words import nearest, warn_renamed
 
 
 @dataclasses.dataclass(frozen=True)
@@ -38,8 +38,24 @@ class Log(_Range):
     """Bounds between which a fit measures factors: `Log(5, 50)`. Both bounds are positive."""
 
 
+Scale = Literal["linear", "log"]
 P = TypeVar("P", bound=ParameterSet)
 RANGES = {"linear": Linear, "log": Log}
+
+
+def between(low: Any, high: Any, scale: Scale, z: Any) -> Any:
+    """The value at z in [0, 1] between bounds."""
+    return low * (high / low) ** z if scale == "log" else low + (high - low) * z
+
+
+def check_bounds(name: str, low: float | int, high: float | int, scale: Scale) -> None:
+    """Raise `ValueError` for bounds between which there is no such scale."""
+    if not low < high:
+        raise ValueError(f"{name} has the bounds {low:g} and {high:g}; the first must be below the second")
+    if not (math.isfinite(low) and math.isfinite(high)):
+        raise ValueError(f"{name} has the bounds {low:g} and {high:g}; give finite ones")
+    if scale == "log" and low <= 0:
+        raise ValueError(f"{name} has the bound {low:g}; bounds on a logarithmic scale must be positive")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -55,12 +71,12 @@ class Structure(NamedTuple):
 
     name: str
     symbol: Symbol
-    scale: Literal["linear", "log"]
+    scale: Scale
     has_prior: bool
 
 
 @dataclasses.dataclass(frozen=True)
-class Freedom:
+class FreeParameter:
     """One free parameter, resolved: where it may lie, and how that maps to [0, 1].
 
     The numbers are floats, and traced arrays within a compiled program.
@@ -70,14 +86,12 @@ class Freedom:
     symbol: Symbol
     low: Any
     high: Any
-    scale: Literal["linear", "log"]
+    scale: Scale
     prior: tuple[Any, Any] | None
 
     def value(self, z):
         """The value at z in [0, 1]."""
-        if self.scale == "log":
-            return self.low * (self.high / self.low) ** z
-        return self.low + (self.high - self.low) * z
+        return between(self.low, self.high, self.scale, z)
 
     def place(self, value):
         """The z of a value."""
@@ -119,19 +133,19 @@ class Free:
             _check_name(tie.to, f"{name} is tied to a parameter that", kind)
             if tie.to in ties or tie.to == name:
                 raise ValueError(f"{name} is tied to {tie.to}, which is tied itself; tie both to one that is not")
-        freedoms = [
-            _freedom(name, choice, _symbols(kind)[name])
+        parameters = [
+            _free_parameter(name, choice, _symbols(kind)[name])
             for name, choice in choices.items()
             if not isinstance(choice, Tie)
         ]
-        if not freedoms:
+        if not parameters:
             raise ValueError("free is empty; name at least one parameter")
         self.structure = tuple(
-            Structure(freedom.name, freedom.symbol, freedom.scale, freedom.prior is not None) for freedom in freedoms
+            Structure(each.name, each.symbol, each.scale, each.prior is not None) for each in parameters
         )
         self._tied = tuple((name, tie.to) for name, tie in ties.items())
-        self._bounds = np.array([(freedom.low, freedom.high) for freedom in freedoms])
-        self._priors = np.array([freedom.prior or (math.nan, math.nan) for freedom in freedoms])
+        self._bounds = np.array([(parameter.low, parameter.high) for parameter in parameters])
+        self._priors = np.array([parameter.prior or (math.nan, math.nan) for parameter in parameters])
         self._factors = np.array([float(tie.factor) for tie in ties.values()])
 
     def tree_flatten(self):
@@ -147,14 +161,20 @@ class Free:
         return free
 
     @property
-    def freedoms(self) -> tuple[Freedom, ...]:
+    def parameters(self) -> tuple[FreeParameter, ...]:
         """The free parameters, in the order in which they were named."""
         return tuple(
-            Freedom(name, symbol, *_pair(bounds), scale, _pair(prior) if has_prior else None)
+            FreeParameter(name, symbol, *_pair(bounds), scale, _pair(prior) if has_prior else None)
             for (name, symbol, scale, has_prior), bounds, prior in zip(
                 self.structure, self._bounds, self._priors, strict=True
             )
         )
+
+    @property
+    def freedoms(self) -> tuple[FreeParameter, ...]:
+        """The old name of `parameters`."""
+        warn_renamed("Free.freedoms", "Free.parameters")
+        return self.parameters
 
     @property
     def ties(self) -> Mapping[str, Tie]:
@@ -190,15 +210,15 @@ class Free:
         return len(self.structure)
 
     def __eq__(self, other):
-        return isinstance(other, Free) and (self.freedoms, self.ties) == (other.freedoms, other.ties)
+        return isinstance(other, Free) and (self.parameters, self.ties) == (other.parameters, other.ties)
 
     def __hash__(self):
-        return hash((self.freedoms, tuple(self.ties.items())))
+        return hash((self.parameters, tuple(self.ties.items())))
 
     def __repr__(self):
         rows = [
-            f"  {freedom.name:10} {freedom.low:g} .. {freedom.high:g} {freedom.symbol.unit} ({freedom.scale})"
-            for freedom in self.freedoms
+            f"  {parameter.name:10} {parameter.low:g} .. {parameter.high:g} {parameter.symbol.unit} ({parameter.scale})"
+            for parameter in self.parameters
         ]
         rows += [f"  {name:10} = {tie.factor:g} {tie.to}" for name, tie in self.ties.items()]
         return "Free(\n" + "\n".join(rows) + "\n)"
@@ -214,16 +234,16 @@ class Free:
 
     def values(self, z: Float[Array | np.ndarray, " free"]) -> dict[str, Array]:
         """The free parameters and the tied ones at a point of the unit box."""
-        values = {freedom.name: jnp.asarray(freedom.value(z[i])) for i, freedom in enumerate(self.freedoms)}
+        values = {parameter.name: jnp.asarray(parameter.value(z[i])) for i, parameter in enumerate(self.parameters)}
         return values | {name: tie.factor * values[tie.to] for name, tie in self.ties.items() if tie.to in values}
 
     def unpacked(self, z: Float[np.ndarray, " free"]) -> Float[np.ndarray, " free"]:
         """The values of the free parameters, as an array."""
-        return np.array([float(freedom.value(place)) for freedom, place in zip(self.freedoms, z, strict=True)])
+        return np.array([float(parameter.value(place)) for parameter, place in zip(self.parameters, z, strict=True)])
 
     def slopes(self, z: Float[np.ndarray, " free"]) -> Float[np.ndarray, " free"]:
         """The derivative by z of each free parameter."""
-        return np.array([freedom.slope(float(z[i])) for i, freedom in enumerate(self.freedoms)])
+        return np.array([parameter.slope(float(z[i])) for i, parameter in enumerate(self.parameters)])
 
     def insert(
         self, parameters: P, observation: Observation, z: Float[Array | np.ndarray, " free"]
@@ -243,22 +263,22 @@ class Free:
         **Raises:** `ValueError` for a value outside of its bounds.
         """
         point = []
-        for freedom in self.freedoms:
-            value = float(getattr(observation if freedom.name in observation_symbols() else parameters, freedom.name))
-            if not freedom.low <= value <= freedom.high:
+        for each in self.parameters:
+            value = float(getattr(observation if each.name in observation_symbols() else parameters, each.name))
+            if not each.low <= value <= each.high:
                 raise ValueError(
-                    f"{freedom.name} starts at {value:g}, outside of its bounds {freedom.low:g} to {freedom.high:g}; "
+                    f"{each.name} starts at {value:g}, outside of its bounds {each.low:g} to {each.high:g}; "
                     "widen them, or start within"
                 )
-            point.append(float(freedom.place(value)))
+            point.append(float(each.place(value)))
         return np.array(point)
 
     def penalties(self, z: Float[Array | np.ndarray, " free"]) -> Float[Array, " priors"]:
         """The residual of each prior: (value - mean) / standard deviation."""
         rows = [
-            (freedom.value(z[i]) - freedom.prior[0]) / freedom.prior[1]
-            for i, freedom in enumerate(self.freedoms)
-            if freedom.prior
+            (parameter.value(z[i]) - parameter.prior[0]) / parameter.prior[1]
+            for i, parameter in enumerate(self.parameters)
+            if parameter.prior
         ]
         return jnp.stack(rows) if rows else jnp.zeros(0)
 
@@ -306,7 +326,7 @@ def _check_name(name: str, role: str, kind: type[ParameterSet]) -> None:
         raise ValueError(f"{role} is {name!r}; choose {nearest(name, known)}")
 
 
-def _freedom(name: str, choice, symbol: Symbol) -> Freedom:
+def _free_parameter(name: str, choice, symbol: Symbol) -> FreeParameter:
     if choice is None:
         choice = _Range()
     elif not isinstance(choice, _Range):
@@ -315,17 +335,14 @@ def _freedom(name: str, choice, symbol: Symbol) -> Freedom:
         except (TypeError, ValueError):
             raise ValueError(f"{name} is free in {choice!r}; give (low, high), None, Linear, Log or Tie") from None
         choice = Linear(low, high)
-    scale = "linear" if isinstance(choice, Linear) else "log" if isinstance(choice, Log) else symbol.scale
+    scale: Scale = "linear" if isinstance(choice, Linear) else "log" if isinstance(choice, Log) else symbol.scale
     low = float(symbol.bounds[0] if choice.low is None else choice.low)
     high = float(symbol.bounds[1] if choice.high is None else choice.high)
-    if not low < high:
-        raise ValueError(f"{name} is free in ({low:g}, {high:g}); the first bound must be below the second")
     for bound in (low, high):
         if not (math.isfinite(bound) and symbol.contains(bound)):
             raise ValueError(f"{name} has the bound {bound:g}; it must lie in {symbol.domain}")
-    if scale == "log" and low <= 0:
-        raise ValueError(f"{name} has the bound {low:g}; between bounds that count factors it must be positive")
-    return Freedom(name, symbol, low, high, scale, _prior(name, choice.prior))
+    check_bounds(name, low, high, scale)
+    return FreeParameter(name, symbol, low, high, scale, _prior(name, choice.prior))
 
 
 def _prior(name: str, prior) -> tuple[float, float] | None:

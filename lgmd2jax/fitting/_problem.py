@@ -150,7 +150,7 @@ class Problem(Space[AbstractNetwork]):
     @property
     def priors(self) -> int:
         """How many of the residuals, at their end, are penalties."""
-        return sum(freedom.has_prior for freedom in self.free.structure)
+        return sum(parameter.has_prior for parameter in self.free.structure)
 
     def known(self) -> Bool[np.ndarray, " n_and_priors"]:
         """Which of the residuals count: differences with a target, and penalties."""

@@ -76,6 +76,13 @@ def status(result: str, loss: float, u: Uncertainty, curves: Sequence[Curve]) ->
     )
 
 
+def warning(status: Sequence[str]) -> tuple[str, ...]:
+    """What to do with a fit that is not valid."""
+    if status[0] == "valid":
+        return ()
+    return ("Not valid: these are the best values that were found. Read the remarks before you use them.",)
+
+
 def grades(curves: Sequence[Curve]) -> str:
     """How many targets have which grade, the best first."""
     counts = Counter(curve.grade for curve in curves)
@@ -98,31 +105,31 @@ def _misfit(u: Uncertainty) -> str:
 
 
 def free_section(
-    free: Free, values: Mapping[str, float], start: Mapping[str, float], u: Uncertainty, curved: Sequence[str]
+    free: Free, values: Mapping[str, float], start: Mapping[str, float], u: Uncertainty, nonlinear: Sequence[str]
 ) -> Section:
-    """The free parameters; `curved` are those whose intervals are rough."""
+    """The free parameters; `nonlinear` are those within whose intervals the curves are nonlinear."""
     rows = []
-    for i, freedom in enumerate(free.freedoms):
-        name, error = freedom.name, float(u.standard_errors[i])
+    for i, parameter in enumerate(free.parameters):
+        name, error = parameter.name, float(u.standard_errors[i])
         rows.append(
             (
                 name,
                 measured(values[name], error) if u.determined[i] and not u.reason else plain(values[name]),
                 _interval(u, i),
-                _unit(freedom.symbol.unit),
+                _unit(parameter.symbol.unit),
                 plain(start[name]),
-                f"{freedom.low:g} .. {freedom.high:g}",
-                _flags(int(u.on_bound[i]), freedom.prior, name in curved),
+                f"{parameter.low:g} .. {parameter.high:g}",
+                _flags(int(u.on_bound[i]), parameter.prior, name in nonlinear),
             )
         )
     columns = ("free", "value +- s.e.|", f"{CONFIDENCE:.0%} interval|", "unit", "start|", "bounds|", "remark")
     return Section("Free parameters", columns, tuple(rows))
 
 
-def _flags(side: int, prior: tuple[float, float] | None, curved: bool) -> str:
+def _flags(side: int, prior: tuple[float, float] | None, nonlinear: bool) -> str:
     flags = [f"at {'lower' if side < 0 else 'upper'} bound"] if side else []
     flags += [f"prior {prior[0]:g} +- {prior[1]:g}"] if prior else []
-    return ", ".join(flags + (["nonlinear"] if curved else []))
+    return ", ".join(flags + (["nonlinear"] if nonlinear else []))
 
 
 def _interval(u: Uncertainty, i: int) -> str:
@@ -241,7 +248,7 @@ def residual_section(curves: Sequence[Curve], kind: Kind) -> Section:
     columns += ("correlated over ms|",)
     sentences = (
         "Autocorrelation: of neighbouring samples. Noise is correlated over the span of the recording's own smoothing; "
-        "what is correlated over longer this circuit cannot do.",
+        "a longer correlation shows what the circuit does not follow.",
     )
     return Section(f"Residuals of the {kind} model", columns, tuple(rows), sentences)
 
@@ -260,10 +267,10 @@ def score_section(scores: Sequence[Score], parameters: ParameterSet) -> Section:
         )
         for score in scores[:_PROMISING]
     )
-    columns = ("fixed", "unit", "at|", "better at|", "chi2 falls by|", "by chance|")
+    columns = ("fixed", "unit", "value|", "better|", "chi2 falls by|", "p|")
     sentences = (
-        "To first order, all free parameters following (a score test). Far steps promise more than they hold: free the "
-        "parameter and fit anew.",
+        "A score test: to first order, with all free parameters following. p: how often chance alone lowers chi2 as "
+        "much. A long step keeps less than it promises: free the parameter and fit again.",
     )
     return Section("Fixed parameters that, freed, would lower chi2 most", columns, rows, sentences if rows else ())
 
@@ -308,10 +315,10 @@ def profile_section(profiles: Mapping[str, Profile], free: Free, u: Uncertainty)
             "open" if is_open else rounded(end, float(u.values[i]), float(u.standard_errors[i]))
             for end, is_open in zip(profile.interval, profile.is_open, strict=True)
         )
-        rows.append((name, f"{low} .. {high}", _interval(u, i), _unit(free.freedoms[i].symbol.unit)))
+        rows.append((name, f"{low} .. {high}", _interval(u, i), _unit(free.parameters[i].symbol.unit)))
     columns = ("parameter", "by profile|", f"as in the table, {CONFIDENCE:.0%}|", "unit")
     is_open = any(end for profile in profiles.values() for end in profile.is_open)
-    sentences = ("Open: up to the bound, chi2 does not rise so far.",) if is_open else ()
+    sentences = ("Open: chi2 does not rise so far up to the bound.",) if is_open else ()
     return Section("Profile-likelihood intervals", columns, tuple(rows), sentences)
 
 
@@ -362,9 +369,9 @@ def truth_section(truth: Mapping[str, float], free: Free, values: Mapping[str, f
     rows = []
     for name, true_value in truth.items():
         i = free.names.index(name)
-        freedom, error, off = free.freedoms[i], float(u.standard_errors[i]), values[name] - true_value
+        parameter, error, off = free.parameters[i], float(u.standard_errors[i]), values[name] - true_value
         in_errors = f"{off / error:+.2f}" if math.isfinite(error) and error > 0 else "-"
-        of_range = f"{off / (freedom.high - freedom.low):+.3%}"
+        of_range = f"{off / (parameter.high - parameter.low):+.3%}"
         rows.append((name, f"{true_value:.6g}", f"{values[name]:.6g}", of_range, in_errors))
     columns = ("parameter", "truth|", "fitted|", "off, of its range|", "off, in s.e.|")
     return Section("Known truth", columns, tuple(rows))

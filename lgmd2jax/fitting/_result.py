@@ -52,7 +52,7 @@ class Fit:
     - `temperatures`: of the descent, the last one being that of `soft` and of the uncertainty.
     - `uncertainty`: errors, intervals, correlations, information criteria, all by linearisation; of counts
       of spikes the intervals by profile likelihood.
-    - `curved`: the parameters within whose intervals the curves are nonlinear, so that a `profile` is needed.
+    - `nonlinear`: the parameters within whose intervals the curves are nonlinear, so that a `profile` is needed.
     - `curves`: target, soft and hard model for every target of every condition.
     - `runs`: the starts that were descended, the best first. `screened`: losses of all points of the search, sorted.
     - `errors`: by channel, the standard error that one frame would have if its neighbours told nothing of it.
@@ -71,7 +71,7 @@ class Fit:
     soft_loss: float
     temperatures: tuple[float, ...]
     uncertainty: Uncertainty
-    curved: tuple[str, ...]
+    nonlinear: tuple[str, ...]
     curves: tuple[Curve, ...]
     runs: tuple[Run, ...]
     screened: tuple[float, ...]
@@ -140,7 +140,7 @@ class Fit:
             variance=u.variance,
             limit=rise_limit(u, confidence),
             step=first_step(u, index),
-            value=lambda z: float(self.free.freedoms[index].value(z)),
+            value=lambda z: float(self.free.parameters[index].value(z)),
         )
 
     def sample(
@@ -178,9 +178,7 @@ class Fit:
 
     def values_of(self, draws: Posterior) -> dict[str, Float[np.ndarray, "chain draw"]]:
         """The draws by parameter, in its own unit."""
-        return {
-            freedom.name: np.asarray(freedom.value(draws.z[..., i])) for i, freedom in enumerate(self.free.freedoms)
-        }
+        return {each.name: np.asarray(each.value(draws.z[..., i])) for i, each in enumerate(self.free.parameters)}
 
     def score_test(self) -> list[Score]:
         """Which fixed parameter, freed, would lower chi2 most, to first order: the best first.
@@ -285,18 +283,15 @@ class Fit:
                 f"{u.degrees_of_freedom:.4g} degrees of freedom): the model, or the errors, are wrong, and "
                 "the intervals, which believe them, are too narrow."
             )
-        for curve in self.curves:
-            if curve.grade == "missed":
-                share = f" and {curve.inside():.0%} of the samples within" if curve.is_band else ""
-                remarks.append(
-                    f"{curve.condition}, {curve.channel}: {self._miss} {curve.rmse():.3g} (r.m.s.){share}, "
-                    f"silence by {curve.rmse('silence'):.3g}."
-                )
-            if curve.gap > DISAGREEMENT:
-                remarks.append(
-                    f"{curve.condition}, {curve.channel}: soft and hard model differ by {curve.gap:.0%} of the "
-                    "span; trust the hard one, and errors and intervals with care."
-                )
+        if missed := [curve for curve in self.curves if curve.grade == "missed"]:
+            count = f"{len(missed)} of {len(self.curves)} targets {'is' if len(missed) == 1 else 'are'} missed"
+            remarks.append(f"{count}, {self._why_missed}: {_listed(missed)}. The table says by how much.")
+        if apart := [curve for curve in self.curves if curve.gap > DISAGREEMENT]:
+            largest = max(curve.gap for curve in apart)
+            remarks.append(
+                f"Soft and hard model differ, by {largest:.0%} of the span at most: {_listed(apart)}. Grades are those "
+                "of the hard model; errors and intervals are those of the soft one, and hold less well."
+            )
         if loud := self.stats.get("inhibition_in_noise"):
             threshold = self.model.levels.inhibited_from
             remarks.append(
@@ -304,27 +299,22 @@ class Fit:
                 f"brings the inhibition to {loud['share']:.0%} of {threshold}: let "
                 f"{'T_p' if threshold == 'A_ffi' else threshold} rise."
             )
-        if self.curved:
+        if self.nonlinear:
             remarks.append(
-                f"The curves are nonlinear within the intervals of {', '.join(self.curved)}: take profiles instead."
+                f"The curves are nonlinear within the intervals of {', '.join(self.nonlinear)}: profile-likelihood "
+                "intervals are right there, by profile in the recipe's [uncertainty] or Fit.profile."
             )
         return remarks + sentences(self.uncertainty)
 
     @property
-    def _miss(self) -> str:
-        """How a target that is missed is spoken of: that it cannot be met takes descents that agree."""
-        count = len(self.runs)
+    def _why_missed(self) -> str:
+        """What the search says of targets that are missed: that none can be met takes descents that agree."""
+        descents = f"{self.best_count} of {len(self.runs)} descents"
         if "choice" in self.stats:
-            return "this target was not met by the chosen set, which misses it by"
-        if self.best_count > max(count / 2, 1):
-            return (
-                f"the model cannot meet this target within its bounds, as {self.best_count} of {count} descents agree; "
-                "it misses it by"
-            )
-        return (
-            f"this target was not met, and {self.best_count} of {count} descents ended here, so that a wider search "
-            "may do better; it is missed by"
-        )
+            return "for the candidate was not chosen by its loss"
+        if self.best_count > max(len(self.runs) / 2, 1):
+            return f"and the model cannot meet them within its bounds, as {descents} agree"
+        return f"and a wider search may do better, as {descents} ended here"
 
     @property
     def best_count(self) -> int:
@@ -339,6 +329,12 @@ class Fit:
         return self.best_count
 
     @property
+    def curved(self) -> tuple[str, ...]:
+        """The old name of `nonlinear`."""
+        warn_renamed("Fit.curved", "Fit.nonlinear")
+        return self.nonlinear
+
+    @property
     def status(self) -> tuple[str, ...]:
         """The verdict in a few words each, the first of which says whether the fit is valid."""
         return _report.status(self.result, self.loss, self.uncertainty, self.curves)
@@ -347,8 +343,8 @@ class Fit:
         """The report's sections that have a content."""
         more, u, free, values = supplement or Supplement(), self.uncertainty, self.free, self.values
         head, *sections = (
-            Section(f"Fit: {' | '.join(self.status)}"),
-            _report.free_section(free, values, self.start, u, self.curved),
+            Section(f"Fit: {' | '.join(self.status)}", sentences=_report.warning(self.status)),
+            _report.free_section(free, values, self.start, u, self.nonlinear),
             _report.given_section(free, self.parameters, self.observation, self.channels),
             _report.statistics_section(
                 u, self.curves, self.stats.get("rules", {})
@@ -399,6 +395,14 @@ class Fit:
     @functools.cached_property
     def _loaded_problem(self) -> Problem:
         return self.data(self)  # pyright: ignore[reportOptionalCall]
+
+
+def _listed(curves: Sequence[Curve]) -> str:
+    """The conditions of some curves, each with its channels."""
+    channels: dict[str, dict[str, None]] = {}
+    for curve in curves:
+        channels.setdefault(curve.condition, {})[curve.channel] = None
+    return ", ".join(f"{condition} ({', '.join(names)})" for condition, names in channels.items())
 
 
 def _figures() -> Any:

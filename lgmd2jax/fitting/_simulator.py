@@ -74,21 +74,21 @@ class Simulator(eqx.Module):
 
     @property
     def units(self) -> tuple[str, ...]:
-        return tuple(freedom.symbol.unit for freedom in self.problem.free.freedoms)
+        return tuple(parameter.symbol.unit for parameter in self.problem.free.parameters)
 
     @property
     def low(self) -> Float[np.ndarray, " parameter"]:
-        return np.array([freedom.low for freedom in self.problem.free.freedoms])
+        return np.array([parameter.low for parameter in self.problem.free.parameters])
 
     @property
     def high(self) -> Float[np.ndarray, " parameter"]:
-        return np.array([freedom.high for freedom in self.problem.free.freedoms])
+        return np.array([parameter.high for parameter in self.problem.free.parameters])
 
     def prior(self, key: Key, count: int) -> Float[Array, "count parameter"]:
         """Random parameters within the bounds; of those whose factors count, every factor is as likely."""
         check_key(key)
         z = jax.random.uniform(key, (count, len(self.names)))
-        return jnp.stack([freedom.value(z[:, i]) for i, freedom in enumerate(self.problem.free.freedoms)], axis=1)
+        return jnp.stack([parameter.value(z[:, i]) for i, parameter in enumerate(self.problem.free.parameters)], axis=1)
 
     def __call__(self, theta: Any, key: Key | None = None) -> Any:
         """The summaries, (batch, summary) for parameters (batch, parameter), or (summary,) for (parameter,).
@@ -174,7 +174,7 @@ def _simulate(
 
 def _answer(simulator: Simulator, theta: Float[Array, " parameter"], key: Key | None) -> Float[Array, " summary"]:
     problem = simulator.problem
-    z = jnp.stack([freedom.place(theta[i]) for i, freedom in enumerate(problem.free.freedoms)])
+    z = jnp.stack([parameter.place(theta[i]) for i, parameter in enumerate(problem.free.parameters)])
     model, observation = problem.at(z)
     predicted = problem.curves(model, observation, problem.sums(model))
     answers = []

@@ -21,7 +21,7 @@ from lgmd2jax._protocol.condition import Condition
 from lgmd2jax._targets.observation import Observation
 from lgmd2jax._types import Key, check_key
 from lgmd2jax._words import nearest
-from lgmd2jax.fitting._free import Linear, Log
+from lgmd2jax.fitting._free import Linear, Log, Scale, between, check_bounds
 from lgmd2jax.fitting._result import Fit
 from lgmd2jax.fitting._search.points import seed_of, sobol
 from lgmd2jax.stimuli import FAMILIES, Stimulus
@@ -240,17 +240,13 @@ def _search(
 
 
 def _range(name: str, choice: Any) -> Callable[[Any], Any]:
-    """From a place between 0 and 1 to an argument."""
+    """From z in [0, 1] to an argument."""
     low, high = (choice.low, choice.high) if isinstance(choice, (Linear, Log)) else choice
     if low is None or high is None:
         raise ValueError(f"{name} has no bounds; give both: the low and the high one")
-    if not (math.isfinite(low) and math.isfinite(high) and low < high):
-        raise ValueError(f"{name} varies in ({low}, {high}); the first bound must be below the second")
-    if isinstance(choice, Log):
-        if low <= 0:
-            raise ValueError(f"{name} has the bound {low:g}; between bounds that count factors it must be positive")
-        return lambda z: low * (high / low) ** z
-    return lambda z: low + (high - low) * z
+    scale: Scale = "log" if isinstance(choice, Log) else "linear"
+    check_bounds(name, low, high, scale)
+    return lambda z: between(low, high, scale, z)
 
 
 def _whole(stimulus: Stimulus) -> Stimulus:

@@ -5,6 +5,7 @@ import io
 import numpy as np
 from jaxtyping import Float, Int, Real, UInt8
 
+from lgmd2jax._pyav import pyav
 from lgmd2jax.stimuli._camera import FILM_BY_FILE
 from lgmd2jax.stimuli._film_scene import coarse
 from lgmd2jax.stimuli._shot import Shot
@@ -49,10 +50,7 @@ def _as_h264(frames: UInt8[np.ndarray, "time row col"], crf: int) -> UInt8[np.nd
 
     By one thread in plain C: with more threads, or x264's code for vector registers, the bits differ from run to run.
     """
-    try:
-        import av
-    except ImportError:
-        raise ValueError("rendered films pass through H.264, which needs PyAV: pip install 'lgmd2jax[video]'") from None
+    av = pyav("rendered films pass through H.264, which needs")
     file = io.BytesIO()
     with av.open(file, "w", format="matroska") as container:
         options = {"crf": str(crf), "preset": "veryfast", "threads": "1", "x264-params": "asm=0"}

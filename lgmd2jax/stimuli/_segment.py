@@ -28,9 +28,7 @@ class Segment(eqx.Module):
 
     def __check_init__(self):
         if is_concrete(self.start, self.stop) and not self.start < self.stop:
-            raise ValueError(
-                f"start is {self.start:g} and stop {self.stop:g}; stop must lie beyond, turn the direction"
-            )
+            raise ValueError(f"start is {self.start:g} and stop {self.stop:g}; swap them, or turn the direction")
 
     @property
     def duration_ms(self) -> Scalar:

@@ -16,19 +16,9 @@ from lgmd2jax._figures.alarms import clips_figure
 from lgmd2jax.alarms import Rendering, detectors, evaluate, load_labels
 from lgmd2jax.alarms._starts import AlarmStarts
 from lgmd2jax.cli import main
+from tests.documents import CLIPS_EYE, SIX_CLIPS
 from tests.videos import loom, noise, write_video
 
-PROTOCOL = """
-[eye]
-rows = 12
-cols = 18
-degrees_per_pixel = 4
-fps = 30
-projection = "pinhole"
-[rendered]
-count = 6
-seed = 2
-"""
 OWN = """
 [[clip]]
 file = "own.mkv"
@@ -64,11 +54,11 @@ seed = 9
 def place(tmp_path_factory):
     """A folder with a recipe, a clip of one's own beside the rendered ones, and the results of both."""
     place = tmp_path_factory.mktemp("alarms")
-    (place / "clips.toml").write_text(PROTOCOL)
+    (place / "clips.toml").write_text(SIX_CLIPS)
     (place / "mine.toml").write_text(RECIPE)
     write_video(place / "own.mkv", list(noise(30)))
     write_video(place / "hit.mkv", list(loom(30, 40, 28)))
-    (place / "own.toml").write_text(PROTOCOL.split("[rendered]")[0] + OWN)
+    (place / "own.toml").write_text(CLIPS_EYE + OWN)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("lgmd2jax.alarms._decoding.cache_folder", lambda: place / "lgmd2jax")
         assert not main(["fit", str(place / "mine.toml"), "--clips", str(place / "own.toml")])
@@ -101,7 +91,7 @@ def test_own_clips_are_judged_by_what_was_fitted_without_their_source(place):
     content = json.loads((place / "mine/fit.json").read_text())
     assert set(content["left_out"]) == {"own", "hit"}  # no rendered one
     assert content["recipe"]["weights"]["recorded"] == 1
-    comparison = content["comparisons"]["Each source of recorded clips, judged by what was fitted without it"]
+    comparison = content["comparisons"]["Each source of recorded clips, evaluated by a fit without it"]
     assert [clip["source"] for clip in comparison["clips"]] == ["own", "garden"]
     wrong, model = content["left_out"], comparison["detectors"]["model"]
     missed, broken = 1 - model["hits"]["count"], [clip["false_alarms"] > 0 for clip in comparison["clips"]]

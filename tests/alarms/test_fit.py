@@ -158,8 +158,8 @@ def test_one_bar_counts_all_tasks(clips, monkeypatch):
 
 def test_ranges_hold_the_sets_that_are_right(fitted):
     for name, (low, high) in fitted.ranges.items():
-        freedom = fitted.free.freedoms[fitted.free.names.index(name)]
-        assert freedom.low - 1e-9 <= low <= high <= freedom.high * (1 + 1e-9)
+        parameter = fitted.free.parameters[fitted.free.names.index(name)]
+        assert parameter.low - 1e-9 <= low <= high <= parameter.high * (1 + 1e-9)
     assert set(fitted.ranges) == set(FREE.names) - {"T_sp"}
 
 

@@ -16,7 +16,7 @@ from lgmd2jax.alarms._reliability import came_true, logistic_fit
 from lgmd2jax.alarms._urgency import _judged
 from lgmd2jax.cli import main
 from tests import clips
-from tests.alarms.test_command import PROTOCOL as LABELS
+from tests.documents import SIX_CLIPS
 from tests.network.test_mechanisms import PARAMETERS
 
 ROOT = pathlib.Path(__file__).parents[2]
@@ -262,7 +262,7 @@ seed = 9
 
 def test_the_fit_does_not_see_it(tmp_path):
     """So that a recipe may ask for it later, and the work of its fit is still of that recipe."""
-    (tmp_path / "clips.toml").write_text(LABELS)
+    (tmp_path / "clips.toml").write_text(SIX_CLIPS)
     digests = set()
     for number, addition in enumerate(("", "[urgency]\nwithin_ms = 400\n", "[weights]\nmiss = 2\n")):
         (tmp_path / f"{number}.toml").write_text(RECIPE + addition)
@@ -281,7 +281,7 @@ def test_the_command_adds_it_to_a_folder(path, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(alarms.LabelFile, "load", lambda *_: approaches())
     monkeypatch.setattr(alarms.AlarmRecipe, "held_out", lambda _: approaches())
     (tmp_path / "mine.toml").write_text(RECIPE)
-    (tmp_path / "clips.toml").write_text(LABELS)
+    (tmp_path / "clips.toml").write_text(SIX_CLIPS)
     assert main(["calibrate", "mine.toml"]) == 1
     assert "mine holds no fit (there is no fit.json); make it first: lgmd2jax fit mine.toml" in capsys.readouterr().err
     folder = tmp_path / "mine"
@@ -291,13 +291,16 @@ def test_the_command_adds_it_to_a_folder(path, tmp_path, monkeypatch, capsys):
     assert main(["calibrate", "mine.toml"]) == 1
     assert "mine holds a fit to curves; give the folder of one to labelled clips by -o" in capsys.readouterr().err
     (folder / "fit.json").write_text('{"format": "lgmd2jax-alarm-fit"}')
-    (tmp_path / "clips.toml").write_text(LABELS.replace("degrees_per_pixel = 4", "degrees_per_pixel = 2"))
+    (tmp_path / "clips.toml").write_text(SIX_CLIPS.replace("degrees_per_pixel = 4", "degrees_per_pixel = 2"))
     assert main(["calibrate", "mine.toml"]) == 1
-    assert "belongs to degrees_per_pixel = 4, the clips have 2" in capsys.readouterr().err
-    (tmp_path / "clips.toml").write_text(LABELS)
+    assert "has degrees_per_pixel = 4.0, but the recipe" in capsys.readouterr().err
+    (tmp_path / "clips.toml").write_text(SIX_CLIPS)
+    for given, words in (("nan", "--within-ms is nan; give a positive"), (".5", "within 0.5 ms is less than a frame")):
+        assert main(["calibrate", "mine.toml", "--within-ms", given]) == 1
+        assert words in capsys.readouterr().err
     assert main(["calibrate", "mine.toml", "--within-ms", "700"]) == 0
     said = capsys.readouterr().out
-    assert "urgency: contact within 700 ms, on" in said
+    assert "urgency: probability of contact within 700 ms, on" in said
     assert "Brier score 0." in said
     urgency = alarms.load_urgency(folder / "model.json")
     assert urgency is not None

@@ -169,7 +169,7 @@ PINS = [
     ),
     Pin(6, "exponent q of (l/|v|)^q", -0.49, -0.51, lambda x: shapes(exponent=x)),
     Pin(6, "exponent q of (l/|v|)^q", -0.01, 0.01, lambda x: shapes(exponent=x)),
-    Pin(7, "least step of it", 1.5e-3, 0.5e-3, integrals_with_step),
+    Pin(7, "least step of the integral", 1.5e-3, 0.5e-3, integrals_with_step),
     Pin(
         8,
         "R from 150 ms after it, at most",
@@ -220,8 +220,15 @@ PINS = [
         5.2,
         lambda x: {trials.translation(direction=180.0): onset(0.3 * (1 - x / 100), 150.0)},
     ),
-    Pin(14, "without it: integral of translation x", 1.52, 1.48, lambda x: {STRAIGHT: onset(0.3 * x, 150.0)}, True),
-    Pin(14, "without it: peak of the loom x", 1.14, 1.16, lambda x: {trials.REFERENCE: eta(40.0, x)}, True),
+    Pin(
+        14,
+        "without adaptation: integral of translation x",
+        1.52,
+        1.48,
+        lambda x: {STRAIGHT: onset(0.3 * x, 150.0)},
+        True,
+    ),
+    Pin(14, "without adaptation: peak of the loom x", 1.14, 1.16, lambda x: {trials.REFERENCE: eta(40.0, x)}, True),
     Pin(
         15,
         "R: speed ~ t^2 above speed ~ t by",

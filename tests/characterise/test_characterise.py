@@ -37,7 +37,7 @@ def results() -> dict[str, Characterisation]:
     ("model", "message"),
     [
         (lgmd.LGMD2(), "no eye"),
-        (lgmd.LGMD2(eye=lgmd.Eye.preset("paper")), "pixels alone"),
+        (lgmd.LGMD2(eye=lgmd.Eye.preset("paper")), "has no degrees_per_pixel"),
         (lgmd.LGMD2(eye=dataclasses.replace(EYE, fps=5.0)), "fps is 5"),
         (lgmd.LGMD2(eye=dataclasses.replace(EYE, rows=10)), "20 x 128 degrees"),
         (lgmd.LGMD2(eye=dataclasses.replace(EYE, degrees_per_pixel=12.0)), "12 degrees a pixel"),
@@ -53,7 +53,7 @@ def test_misuse_is_refused(untyped):
     name: Any = "lgmd2"
     with pytest.raises(ValueError, match="give an LGMD2 or a Fit"):
         lgmd.characterise(name)
-    with pytest.raises(ValueError, match="without a fit"):
+    with pytest.raises(ValueError, match="model is no fit"):
         lgmd.characterise(MODEL, key=jax.random.key(0))
     batch = jax.vmap(lambda theta: lgmd.Parameters(theta1=theta))(jnp.zeros(3))
     with pytest.raises(ValueError, match="theta1 has shape"):

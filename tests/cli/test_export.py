@@ -109,7 +109,7 @@ def test_a_mistake_is_one_line_and_leaves_nothing(original, tmp_path, capsys):
     (tmp_path / "file").touch()
     robot = tmp_path / "robot"
     for model, folder, message in [
-        (damaged, robot, "test vector does not come out"),
+        (damaged, robot, "test vector differs"),
         ("nowhere", robot, "no such file: nowhere"),
         ("preset:lgm2", robot, "preset is 'lgm2'"),
         (original, tmp_path / "file", "file is not a folder"),

@@ -216,6 +216,6 @@ def test_what_something_else_holds_is_not_written_over(tmp_path, capsys):
     assert "holds something else than results" in capsys.readouterr().err
     assert listed(tmp_path) == {"package.xml"}
     assert main(["export", "preset:yue_rind", "--ros", str(tmp_path / "new")]) == 1
-    assert "hard.py and the C run the LGMD2 alone" in capsys.readouterr().err
+    assert "hard.py and the C code run only the LGMD2" in capsys.readouterr().err
     assert main(["export", "twin", "--ros", str(tmp_path / "new"), "--rows", "9"]) == 1
     assert listed(tmp_path) == {"package.xml"}

@@ -14,35 +14,9 @@ import pytest
 import lgmd2jax as lgmd
 from lgmd2jax import hard
 from lgmd2jax.cli import main
+from tests.documents import FREE_K_AND_TAU3, TWO_LOOMS
 
-PROTOCOL = """
-[eye]
-rows = 10
-cols = 12
-degrees_per_pixel = 8
-fps = 50
-
-[[target]]
-model = "preset:lgmd2"
-parameters = { k = 0.4, T_ffi = 12, T_s = 5, tau3 = 250 }
-channel = "smp_adapted"
-
-[[condition]]
-name = "loom {l_over_v}"
-family = "looming"
-l_over_v = [20, 40]
-contrast = -0.9
-start_ms = -500
-end_ms = 200
-"""
-RECIPE = """
-protocol = "mine.toml"
-[parameters]
-T_ffi = 12
-T_s = 5
-[free]
-k = { low = 0.1, high = 2, scale = "log" }
-tau3 = { low = 100, high = 1000 }
+RECIPE = f"""{FREE_K_AND_TAU3}
 [solver]
 pixel_points = 4
 cell_points = 64
@@ -60,7 +34,7 @@ tau3 = 250
 @pytest.fixture(scope="module")
 def place(tmp_path_factory):
     folder = tmp_path_factory.mktemp("fit")
-    (folder / "mine.toml").write_text(PROTOCOL)
+    (folder / "looms.toml").write_text(TWO_LOOMS)
     (folder / "recipe.toml").write_text(RECIPE)
     return folder
 
@@ -91,7 +65,7 @@ def test_the_report_has_what_the_recipe_asked_for(results):
 def test_the_robots_model_gives_the_curves(results):
     with open(results / "curves.csv", newline="") as file:
         written = [float(row["hard"]) for row in csv.DictReader(file) if row["condition"] == "loom 20"]
-    stimulus = lgmd.load_protocol(results.parent / "mine.toml").conditions[0].render()
+    stimulus = lgmd.load_protocol(results.parent / "looms.toml").conditions[0].render()
     robot = hard.load(results / "model.json")
     np.testing.assert_allclose(robot(np.asarray(stimulus.frames), 50.0).smp_adapted, written, atol=1e-7)
 
@@ -104,7 +78,7 @@ def test_the_same_recipe_gives_the_same_bytes(place, results):
 
 def test_predict_writes_the_fitted_channel(place, results, capsys):
     output = place / "predicted.csv"
-    assert main(["predict", str(results), str(place / "mine.toml"), "-o", str(output)]) == 0
+    assert main(["predict", str(results), str(place / "looms.toml"), "-o", str(output)]) == 0
     assert "smp_adapted of 2 conditions" in capsys.readouterr().out
     with open(output, newline="") as file:
         rows = list(csv.DictReader(file))
@@ -119,7 +93,7 @@ def test_predict_writes_the_fitted_channel(place, results, capsys):
     [
         (("k = {", "q = {"), "free.q = {"),
         (("[free]", "[fee]"), ": unknown key; did you mean 'free'"),
-        (("mine.toml", "other.toml"), "no such file: other.toml"),
+        (("looms.toml", "other.toml"), "no such file: other.toml"),
         (("seed = 3", "seeds = 3"), "solver.seeds = 3: unknown key; did you mean 'seed'"),
         (("high = 2,", "high = 0.3,"), "k starts at 1, outside of its bounds"),
         (('"log"', '"loog"'), "free.k.scale = 'loog': choose 'log' or 'linear'"),

@@ -89,6 +89,7 @@ def test_what_fails_leaves_nothing(options, tmp_path, capsys):
     ("options", "contrast", "words"),
     [
         (["--fps", "0"], "", "fps is 0.0; give a positive number"),
+        (["--fps", "1e9"], "", "fps is 1e+09; no screen shows more"),
         (["--stop-angle", "200"], "", "stop_angle is 200.0 degrees; give a number in 0..179"),
         (["--contrast", "-90"], "", "the object would be at grey level -1.78e+04"),
         (["--background", "300"], "", "background is 300.0 grey levels; give a number in 0..255"),

@@ -11,16 +11,9 @@ from lgmd2jax._compute.finished_work import FileMemory
 from lgmd2jax._files.lock import locked
 from lgmd2jax._words import UnfinishedWarning
 from lgmd2jax.cli import main
-from tests.cli.test_fit import PROTOCOL
+from tests.documents import FREE_K_AND_TAU3, TWO_LOOMS
 
-RECIPE = """
-protocol = "mine.toml"
-[parameters]
-T_ffi = 12
-T_s = 5
-[free]
-k = { low = 0.1, high = 2, scale = "log" }
-tau3 = { low = 100, high = 1000 }
+RECIPE = f"""{FREE_K_AND_TAU3}
 [solver]
 pixel_points = 2
 cell_points = 16
@@ -47,7 +40,7 @@ def chain(residuals, start, key, variance, draws, warmup, bar):
 def place(tmp_path_factory):
     """A folder with a recipe and the results of an undisturbed run."""
     folder = tmp_path_factory.mktemp("unfinished")
-    (folder / "mine.toml").write_text(PROTOCOL)
+    (folder / "looms.toml").write_text(TWO_LOOMS)
     (folder / "recipe.toml").write_text(RECIPE)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("lgmd2jax.fitting._uncertainty.posterior._chain", chain)

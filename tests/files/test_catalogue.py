@@ -64,9 +64,9 @@ def test_a_wheel_carries_its_own(catalogue):
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("loming", "no such file: loming; by name, choose 'looming'"),
+        ("loming", "no such file: loming; by name there is 'looming'"),
         ("./looming", "no such file: ./looming"),
-        ("looming.toml", "no such file: looming.toml; by name, choose 'looming'"),
+        ("looming.toml", "no such file: looming.toml; by name there is 'looming'"),
         ("../here", "../here is a folder"),
     ],
 )

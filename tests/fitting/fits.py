@@ -52,7 +52,7 @@ def fit_with(
     result: str = "converged",
     absolute: bool = False,
     misfit: float = 0.3,
-    curved: tuple[str, ...] = (),
+    nonlinear: tuple[str, ...] = (),
 ) -> Fit:
     """A fit that ended at `z`, with the uncertainty of a Jacobian, by default one of full rank.
 
@@ -69,7 +69,7 @@ def fit_with(
         observation=observation,
         free=free,
         z=place,
-        start={freedom.name: float(freedom.value(0.25)) for freedom in free.freedoms},
+        start={parameter.name: float(parameter.value(0.25)) for parameter in free.parameters},
         loss=1.0,
         soft_loss=0.9,
         temperatures=temperatures,
@@ -83,7 +83,7 @@ def fit_with(
             n_effective=len(jacobian) / 2,
             absolute=absolute,
         ),
-        curved=curved,
+        nonlinear=nonlinear,
         curves=tuple(curves),
         runs=tuple(runs if runs is not None else [run(free=p), run(3.0, free=p)]),
         screened=tuple(screened),

@@ -114,9 +114,10 @@ def test_a_band_that_is_left_is_remarked():
     curve = fit.curves[0]
     assert curve.grade == "missed"
     assert curve.distance().min() == pytest.approx(-0.4)
-    share = "was not met, and 1 of 1 descents ended here, so that a wider search may do better; it is missed by "
-    share += f"{curve.rmse():.3g} (r.m.s.) and {curve.inside():.0%} of the samples within, silence by"
-    assert any(share in remark for remark in fit.remarks())
+    remark = (
+        f"1 of 1 targets is missed, and a wider search may do better, as 1 of 1 descents ended here: {curve.condition}"
+    )
+    assert f"{remark} (smp_adapted). The table says by how much." in fit.remarks()
 
 
 def test_the_best_rate_is_sought_towards_the_band():

@@ -37,7 +37,7 @@ def test_the_highest_score_decides_and_of_equals_the_least_loss():
     assert choice["least_loss"] < by_score.loss
     assert "chosen for its score" in by_score.remarks()[0]
     assert by_score.result == "chosen by its score"
-    assert by_score.curved == tuple(np.array(by_score.free.names)[by_score.uncertainty.determined])  # no optimum
+    assert by_score.nonlinear == tuple(np.array(by_score.free.names)[by_score.uncertainty.determined])  # no optimum
     indifferent = fit(choose=lambda candidate: 0.0)
     assert indifferent.loss == pytest.approx(indifferent.stats["choice"]["least_loss"])
     assert indifferent.values["theta2"] == pytest.approx(TRUTH, rel=0.05)

@@ -34,7 +34,7 @@ def test_the_ends_of_the_box_are_the_bounds(end):
 
 
 def test_declared_scales_say_what_counts_factors():
-    scales = {freedom.name: freedom.scale for freedom in Free(tau1=None, theta2=None, T_s=Linear()).freedoms}
+    scales = {parameter.name: parameter.scale for parameter in Free(tau1=None, theta2=None, T_s=Linear()).parameters}
     assert scales == {"tau1": "log", "theta2": "linear", "T_s": "linear"}
 
 
@@ -74,12 +74,12 @@ def test_equal_choices_are_equal_so_that_nothing_compiles_again():
         ({}, "free is empty; name at least one"),
         ({"theta1": Tie("theta2")}, "free is empty"),
         ({"theta4": None}, "free parameter is 'theta4'; choose 'theta"),
-        ({"tau1": (20, 10)}, "first bound must be below"),
+        ({"tau1": (20, 10)}, "the first must be below the second"),
         ({"tau1": (-5, 10)}, r"tau1 has the bound -5; it must lie in \(0, inf\)"),
         ({"tau1": (5, np.inf)}, "tau1 has the bound inf"),
-        ({"tau1": (5, np.nan)}, "must be below"),
+        ({"tau1": (5, np.nan)}, "tau1 has the bound nan"),
         ({"tau1": 5}, r"tau1 is free in 5; give \(low, high\)"),
-        ({"theta1": Log()}, "theta1 has the bound 0; between bounds that count factors"),
+        ({"theta1": Log()}, "theta1 has the bound 0; bounds on a logarithmic scale"),
         ({"k": None, "theta1": Tie("theta9")}, "theta1 is tied to a parameter that is 'theta9'; choose 'theta"),
         ({"k": None, "theta1": Tie("theta2"), "theta2": Tie("theta3")}, "theta2, which is tied itself"),
         ({"k": None, "theta1": Tie("theta1")}, "theta1, which is tied itself"),

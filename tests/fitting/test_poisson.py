@@ -160,7 +160,7 @@ def test_intervals_end_where_the_likelihood_has_fallen(stimulus, rate):
     for end in fit.uncertainty.intervals[index]:
         found = scipy.optimize.minimize(of_others, np.delete(best, index), (end,), "Nelder-Mead", tol=0.01)
         assert found.fun - minus_two_log_likelihood(best) == pytest.approx(3.84, abs=0.05)
-    assert fit.curved == ()
+    assert fit.nonlinear == ()
 
 
 def test_a_curve_of_counts_has_its_deviance_and_grade(stimulus, rate):

@@ -62,7 +62,7 @@ def test_misuse_is_refused(untyped):
         ({"family": "loming"}, "family is 'loming'; choose 'looming'"),
         ({"start_ms": None}, None),
         ({"vary": {}}, "vary is empty"),
-        ({"vary": {"l_over_v": (80, 10)}}, "the first bound must be below the second"),
+        ({"vary": {"l_over_v": (80, 10)}}, "l_over_v has the bounds 80 and 10; the first must be below the second"),
         ({"vary": {"l_over_v": lgmd.Log(0, 10)}}, "it must be positive|must be positive"),
         ({"vary": {"speeed": (1, 2)}}, "speeed"),
         ({"measure": "sum"}, "choose 'total' or 'peak'"),

@@ -629,7 +629,7 @@ def of_fit(fit: lgmd.Fit) -> Outputs:
         "run losses": np.array([[it.start_loss, it.loss] for it in fit.runs]),
         "result": text("; ".join([fit.result, *(it.result for it in fit.runs)])),
         "errors": np.array([fit.errors[name] for name in sorted(fit.errors)]),
-        "curved": text(" ".join(fit.curved)),
+        "curved": text(" ".join(fit.nonlinear)),
         "summary": text(fit.summary()),
     }
     for field in dataclasses.fields(u):

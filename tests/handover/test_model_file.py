@@ -125,7 +125,7 @@ def test_the_other_network_makes_the_round_trip(others):
     assert lgmd.load(path, network=lgmd.YueRindLGMD1).N_sp == 3
     with pytest.raises(ValueError, match="its network is 'YueRindLGMD1', not 'LGMD2'"):
         lgmd.load(path, network=lgmd.LGMD2)
-    with pytest.raises(ValueError, match="its network is 'YueRindLGMD1'; this program runs the LGMD2 alone"):
+    with pytest.raises(ValueError, match="its network is 'YueRindLGMD1'; this program runs only the LGMD2"):
         hard.load(path)
 
 
@@ -222,8 +222,8 @@ def test_a_calibration_may_stand_in_it(path):
         ),
         (
             lambda content: content.update(mechanisms={"membrane": {"tau_cell": 20}}),
-            "mechanisms has a membrane without the shunt",
-            "mechanisms has a membrane without the shunt",
+            "mechanisms has a membrane, which needs the shunt",
+            "mechanisms has a membrane, which needs the shunt",
         ),
         (
             lambda content: content.update(mechanisms=["lag"]),
@@ -397,7 +397,7 @@ def test_a_file_that_is_not_in_order_is_refused(path, load, change, message, lib
         (lambda content: content["parameters"].update(T_de=10**400), r"parameters\.T_de = 10+\.\.\.0+: is too large"),
         (lambda content: content["parameters"].update(T_de=True), r"parameters\.T_de = true: must be a number"),
         (lambda content: content["parameters"].update(T_de=-1.0), r"parameters\.T_de = -1"),
-        (lambda content: content["parameters"].update(T_de=7.0), "its test vector does not come out"),
+        (lambda content: content["parameters"].update(T_de=7.0), "the response to its test vector differs"),
         (lambda content: content["structure"].update(N_sp=0), r"structure\.N_sp = 0: must be 1 or more"),
         (lambda content: content["structure"].update(N_sp=10**12), r"structure\.N_sp = 10+: must be 10000 or less"),
         (lambda content: content["structure"].update(N_ts=3), r"structure\.N_ts = 3: unknown key"),

@@ -193,7 +193,7 @@ def test_a_program_with_a_wrong_equation_refuses_the_file(path, right, wrong):
     assert source.count(right) == 1
     program = types.ModuleType("hard")
     exec(source.replace(right, wrong), vars(program))
-    with pytest.raises(ValueError, match=r"does not come out: \w+ of frame \d+ is"):
+    with pytest.raises(ValueError, match=r"test vector differs: \w+ of frame \d+ is"):
         program.load(path)
 
 
@@ -211,7 +211,7 @@ def test_a_wrong_parameter_is_refused(path, load):
                 def spoil(content, table=table, name=name, scale=scale):
                     functools.reduce(operator.getitem, table, content)[name] *= scale
 
-                assert "its test vector does not come out" in refusal(load, path, spoil), (name, scale)
+                assert "the response to its test vector differs" in refusal(load, path, spoil), (name, scale)
 
 
 @pytest.mark.parametrize("load", [hard.load, lgmd.load])
@@ -224,7 +224,7 @@ def test_the_first_difference_is_named(path, load):
 
     ffi = json.loads(path.read_text())["test_vector"]["response"]["ffi"][7]
     message = refusal(load, path, spoil)
-    assert f"ffi of frame 7 is {ffi:.9g}, not {ffi * 1.001:.9g}; copy the file anew" in message
+    assert f"ffi of frame 7 is {ffi:.9g}, not {ffi * 1.001:.9g}; copy the file again" in message
     assert "\n" not in message
 
 

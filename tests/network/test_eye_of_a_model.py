@@ -67,9 +67,9 @@ def test_the_field_of_a_camera_counts_by_its_central_pixel():
 @pytest.mark.parametrize(
     ("model", "eye", "message"),
     [
-        (lgmd.LGMD2(), EYE, "the model has no eye, so its own field is not known"),
-        (lgmd.LGMD2(eye=lgmd.Eye.preset("paper")), EYE, "the model's eye is known in pixels alone"),
-        (MODELS["LGMD1"], lgmd.Eye.preset("paper"), "eye is known in pixels alone"),
+        (lgmd.LGMD2(), EYE, "the model has no eye, so its field of view is not known"),
+        (lgmd.LGMD2(eye=lgmd.Eye.preset("paper")), EYE, "the model's eye has no degrees_per_pixel"),
+        (MODELS["LGMD1"], lgmd.Eye.preset("paper"), "eye has no degrees_per_pixel"),
     ],
 )
 def test_a_field_that_is_not_known_is_refused(model, eye, message):

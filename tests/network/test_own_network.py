@@ -162,16 +162,16 @@ def test_a_file_is_refused_by_name_where_its_network_is_not_known(path):
         lgmd.load(path)
     with pytest.raises(ValueError, match="its network is 'Dimming', not 'YueRindLGMD1'"):
         lgmd.load(path, network=lgmd.YueRindLGMD1)
-    with pytest.raises(ValueError, match="its network is 'Dimming'; this program runs the LGMD2 alone"):
+    with pytest.raises(ValueError, match="its network is 'Dimming'; this program runs only the LGMD2"):
         hard.load(path)
 
 
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda content: content["parameters"].update(k=1.6), "its test vector does not come out"),
-        (lambda content: content["parameters"].update(tau=61.0), "its test vector does not come out"),
-        (lambda content: content["structure"].update(border="counted"), "its test vector does not come out"),
+        (lambda content: content["parameters"].update(k=1.6), "the response to its test vector differs"),
+        (lambda content: content["parameters"].update(tau=61.0), "the response to its test vector differs"),
+        (lambda content: content["structure"].update(border="counted"), "the response to its test vector differs"),
         (lambda content: content["parameters"].update(theta1=1.0), "parameter theta1 is unknown"),
         (lambda content: content["parameters"].pop("k"), "parameter k is missing"),
         (lambda content: content["structure"].update(border="doubled"), "border is 'doubled'; choose"),

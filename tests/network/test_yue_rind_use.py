@@ -86,10 +86,10 @@ def test_a_fit_recovers_its_parameters():
 
 def test_names_of_both_networks_take_the_bounds_of_the_one_that_is_fitted():
     free = lgmd.Free(T_sp=None, k=None)
-    assert free.freedoms[0].high == 0.85
-    assert free.of(lgmd.YueRindParameters).freedoms[0].high == 0.95
+    assert free.parameters[0].high == 0.85
+    assert free.of(lgmd.YueRindParameters).parameters[0].high == 0.95
     assert free.of(lgmd.Parameters) is free
-    assert lgmd.Free(W_I=None, T_sp=None).freedoms[1].high == 0.95
+    assert lgmd.Free(W_I=None, T_sp=None).parameters[1].high == 0.95
     with pytest.raises(ValueError, match="free parameter is"):
         lgmd.Free(W_I=None, theta2=None)
 
@@ -124,11 +124,11 @@ def test_commands_take_it_by_name(tmp_path, monkeypatch, capsys):
     assert float(asked[0].parameters.T_de) == pytest.approx(4.5)
 
     assert main(["export", "preset:yue_rind", "--python", str(tmp_path / "robot")]) == 1
-    assert "run the LGMD2 alone" in capsys.readouterr().err
+    assert "run only the LGMD2" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []
 
     assert main(["characterise", "preset:yue"]) == 1
-    assert "preset is 'yue'; choose 'yue_rind' or" in capsys.readouterr().err
+    assert "preset is 'yue'; choose 'yue_rind'" in capsys.readouterr().err
     assert float(with_parameters(model_named("preset:yue_rind"), ["T_sp=.8"]).parameters.T_sp) == 0.8
 
 

@@ -202,7 +202,7 @@ MISTAKES = {
     "[[conditions]]": r"conditions = \[\{\}\]: unknown key; did you mean 'condition'",
     "[[condition]]\nname = 'a'": r"condition\[0\]\.family is missing; choose '",
     "[[condition]]\nfamily = 'looming'": r"condition\[0\]\.name is missing",
-    "[[condition]]\nname='a'\nfamily='loming'": r"\[0\]\.family = 'loming': choose 'looming' or",
+    "[[condition]]\nname='a'\nfamily='loming'": r"\[0\]\.family = 'loming': choose 'looming'",
     "[[condition]]\nname='a'\nfamily='looming'\nl_ovr_v=40": "l_ovr_v = 40: unknown key; did you mean 'l_over_v'",
     "[[condition]]\nname='a'\nfamily='looming'\ntargets=3": r"\.targets = 3: unknown key; did you mean 'target'",
     "[[condition]]\nname='a'\nfamily='looming'\ntarget=3": r"condition\[0\]\.target = 3: must be a list",
@@ -214,7 +214,7 @@ MISTAKES = {
     "[[condition]]\nname='a'\nfamily='looming'\nshape=3": "shape = 3: must be a text",
     "[[condition]]\nname='a'\nfamily='looming'\nchecks=2.5": "checks = 2.5: must be a whole number",
     "[[condition]]\nname='a'\nfamily='looming'\nbackground={image='brick'}": r"background\.kind is missing; choose",
-    "[[condition]]\nname='a'\nfamily='looming'\nbackground={kind='foto'}": "kind = 'foto': choose 'photograph' or",
+    "[[condition]]\nname='a'\nfamily='looming'\nbackground={kind='foto'}": "kind = 'foto': choose 'photograph'",
     "[[condition]]\nname='a'\nfamily='looming'\nbackground={kind='photograph', imgae='a'}": (
         r"background\.imgae = 'a': unknown key; did you mean 'image'"
     ),

@@ -8,6 +8,7 @@ import pytest
 import lgmd2jax as lgmd
 from lgmd2jax._recipes.fit import Recipe
 from lgmd2jax.cli import main
+from lgmd2jax.cli.fit import folder_names
 
 PROTOCOL = """
 [eye]
@@ -84,3 +85,9 @@ def test_the_command_leaves_a_folder_an_animal_and_what_holds_over_them(recipe, 
     assert data == {"protocol": "../../mine.toml", "animal": "A"}
     again = lgmd.load_fit(folder / "A")
     assert again._problem("test").samples() == again.uncertainty.n_effective  # of the trials of A alone
+
+
+def test_no_two_animals_share_a_folder():
+    assert folder_names(["a b", "a_b", "A/b", "..", ".", "", "report.txt", "G11", "Käfer 1"]) == [
+        "a_b", "a_b_", "A_b__", "_", "__", "___", "report.txt_", "G11", "Käfer_1"
+    ]  # fmt: skip

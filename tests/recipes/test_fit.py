@@ -62,7 +62,7 @@ def test_another_circuit_frees_what_acts_in_it(recipe):
     assert set(other.free.names) == {"k", "T_p", "tau_hold", "A_ffi", "m", "gamma"}
     assert other.profile == ()
     assert other.digest() != recipe.digest()
-    bounds = {freedom.name: (freedom.low, freedom.high) for freedom in other.free.freedoms}
+    bounds = {parameter.name: (parameter.low, parameter.high) for parameter in other.free.parameters}
     assert bounds["A_ffi"] == lgmd.symbols()["A_ffi"].bounds
 
 
@@ -72,7 +72,7 @@ def test_the_table_of_another_circuit_gives_the_same_recipe(recipe, tmp_path):
     text = FIT.replace("[free]", '[structure]\nmechanisms = ["shunt"]\n[free]\nm = {}\ngamma = {}')
     by_hand = load(tmp_path, text)
     assert by_hand.model == other.model
-    assert set(by_hand.free.freedoms) == set(other.free.freedoms)
+    assert set(by_hand.free.parameters) == set(other.free.parameters)
 
 
 def test_the_plain_circuit_comes_back(recipe):
@@ -85,7 +85,7 @@ def test_a_circuit_that_does_not_exist_is_refused(recipe):
     with pytest.raises(ValueError, match="needs the shunt"):
         recipe.with_mechanisms("membrane")
     other = dataclasses.replace(recipe, model=lgmd.YueRindLGMD1())
-    with pytest.raises(ValueError, match="mechanisms are those of an LGMD2"):
+    with pytest.raises(ValueError, match="mechanisms belong to an LGMD2"):
         other.with_mechanisms("size")
 
 

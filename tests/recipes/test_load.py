@@ -64,9 +64,7 @@ def test_a_recipe_of_a_sweep_makes_what_sweep_makes(folder):
 @pytest.mark.parametrize("kind", ['"sweeps"', "3", "[1]"])
 def test_another_kind_is_refused(folder, kind, untyped):
     (folder / "bad.toml").write_text(f"kind = {kind}\n" + FIT)
-    with pytest.raises(
-        ValueError, match=r"bad\.toml: kind = .*: choose 'sweep' or|bad\.toml: kind = (3|\[1\]): choose '"
-    ):
+    with pytest.raises(ValueError, match=r"bad\.toml: kind = .*: choose 'sweep'|bad\.toml: kind = (3|\[1\]): choose '"):
         lgmd.load_recipe(folder / "bad.toml")
     with pytest.raises(ValueError, match="a fit to labelled clips has kind 'alarms'"):
         lgmd.alarms.load_recipe(folder / "fit.toml")
@@ -127,7 +125,11 @@ def test_table_1_lets_each_sentence_of_the_paper_count_alike(table1):
 
 
 def test_table_1_is_fitted_within_the_ranges_of_the_paper(table1):
-    ranges = {freedom.name: (freedom.low, freedom.high) for freedom in table1.free.freedoms if freedom.name != "w_bias"}
+    ranges = {
+        parameter.name: (parameter.low, parameter.high)
+        for parameter in table1.free.parameters
+        if parameter.name != "w_bias"
+    }
     assert ranges == {
         "theta1": (0, 0.1),
         "theta2": (1, 6),
@@ -188,7 +190,7 @@ def test_what_is_no_condition_is_refused(wrong, message, untyped):
 @pytest.mark.parametrize(
     ("family", "parameters", "message"),
     [
-        ("loming", {}, "family is 'loming'; choose 'looming' or"),
+        ("loming", {}, "family is 'loming'; choose 'looming'"),
         ("looming", {"contrst": -1.0}, "condition 'c': contrst: unknown key; did you mean 'contrast'"),
     ],
 )
@@ -213,5 +215,5 @@ def test_a_recipe_names_its_network_and_its_mechanisms(folder):
     assert isinstance(recipe.model, lgmd.LGMD2)
     assert recipe.model.mechanisms == ("size", "shunt")
     (folder / "none.toml").write_text('network = "LGMD3"\n' + FIT)
-    with pytest.raises(ValueError, match=r"none\.toml: network = 'LGMD3': choose 'LGMD2' or"):
+    with pytest.raises(ValueError, match=r"none\.toml: network = 'LGMD3': choose 'LGMD2'"):
         lgmd.load_recipe(folder / "none.toml")

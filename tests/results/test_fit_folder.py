@@ -153,7 +153,7 @@ def curve_cells(name, text):
             r"uncertainty.covariance does not have the shape \[3, 3\]",
         ),
         (curve_cells("hard", "x"), r"curves\.csv: \[0\]\.hard = 'x': must be a number"),
-        (curve_cells("channel", "smpp"), r"curves\.csv: \[0\]\.channel = 'smpp': choose 'smp' or"),
+        (curve_cells("channel", "smpp"), r"curves\.csv: \[0\]\.channel = 'smpp': choose 'smp'"),
         (lambda folder: (folder / "curves.csv").write_text("a,b\n1,2\n"), r"curves\.csv: \[0\]\.a = 1.0: unknown key; did you mean"),
         (lambda folder: (folder / "fit.json").write_text("{"), r"fit\.json is not a JSON file"),
         (lambda folder: (folder / "model.json").write_text("{}"), "not a hand-over file"),

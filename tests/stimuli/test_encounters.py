@@ -202,11 +202,11 @@ def test_frame_rates_and_durations_are_kept(fps):
 
 
 BAD = {
-    "kind": (lambda: stimuli.random_encounter(EYE, KEY, kind="colision"), "kind is 'colision'; choose 'collision' or"),
+    "kind": (lambda: stimuli.random_encounter(EYE, KEY, kind="colision"), "kind is 'colision'; choose 'collision'"),
     "duration": (lambda: stimuli.random_encounter(EYE, KEY, duration_ms=0), "duration_ms is 0 ms; give a positive"),
     "short": (lambda: stimuli.random_encounter(EYE, KEY, duration_ms=40), "duration_ms is 40 at 30 fps"),
     "slow": (lambda: stimuli.random_encounter(Eye(9, 9, 5.0, 3.0), KEY), "fps is 3; give an eye of more than 3 fps"),
-    "pixels": (lambda: stimuli.random_encounter(Eye(9, 9, None, 30.0), KEY), "known in pixels alone"),
+    "pixels": (lambda: stimuli.random_encounter(Eye(9, 9, None, 30.0), KEY), "has no degrees_per_pixel"),
     "count": (lambda: stimuli.encounters(EYE, KEY, 0), "count is 0; give a whole number"),
     "clips' duration": (lambda: stimuli.encounters(EYE, KEY, 2, duration_ms=-1), "duration_ms is -1"),
 }

@@ -215,7 +215,7 @@ def test_what_is_no_axis_is_refused_in_one_line(eye, values, message):
 
 @pytest.mark.parametrize(
     ("renderer", "message"),
-    [("loming", "renderer is 'loming'; give a function, .*; choose 'looming' or"), (None, "renderer is None; give a")],
+    [("loming", "renderer is 'loming'; give a function, .*; choose 'looming'"), (None, "renderer is None; give a")],
 )
 def test_what_renders_nothing_is_refused(eye, renderer, message, untyped):
     with pytest.raises(ValueError, match=message):

@@ -138,7 +138,7 @@ def test_a_column_a_trial_makes_a_mean_with_its_error(write):
     assert read.sem_rule == "s.e.m. over 5 trials, drawn towards one that all times share"
     one = lgmd.read_target(write(table.to_csv()), column=["trial 2"], channel="rate")
     assert one.sem is None
-    with pytest.raises(ValueError, match="the trials are all alike"):
+    with pytest.raises(ValueError, match="the trials are all equal"):
         lgmd.read_target(write(table.to_csv()), column=["trial 2", "trial 2"], channel="rate")
 
 

@@ -122,7 +122,7 @@ def test_a_stimulus_without_the_speed_is_refused():
         ({"alpha": -1}, "alpha is -1; give a positive number"),
         ({"delta": np.inf}, "delta is inf; give a finite number"),
         ({"exponent": np.nan}, "exponent is nan"),
-        ({"channel": "smp_adaptd"}, "channel is 'smp_adaptd'; choose 'smp_adapted' or"),
+        ({"channel": "smp_adaptd"}, "channel is 'smp_adaptd'; choose 'smp_adapted'"),
         ({"channel": "rate"}, "rest is missing; a rate has no resting value of its own"),
         ({"rest": np.nan}, "rest is nan"),
     ],

@@ -68,7 +68,7 @@ def test_conditions_and_channels_have_noise_of_their_own():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"channel": "mp"}, "channel is 'mp'; choose 'smp' or"),
+        ({"channel": "mp"}, "channel is 'mp'; choose 'smp'"),
         ({"channel": "rate"}, "channel is 'rate', which needs an observation"),
         ({"observation": Observation()}, "channel is 'smp_adapted', which takes no observation"),
         ({"noise": -1}, "noise is -1; give 0 or more"),

@@ -36,7 +36,7 @@ def test_an_onset_between_frames_is_seen_at_the_next():
 @pytest.mark.parametrize(
     ("kind", "change", "message"),
     [
-        (Rest, {"channel": "rates"}, "channel is 'rates'; choose 'rate' or"),
+        (Rest, {"channel": "rates"}, "channel is 'rates'; choose 'rate'"),
         (Rest, {"channel": "rate"}, "rest is missing; a rate has no resting value of its own"),
         (Onset, {"peak": np.nan, "decay_ms": 1}, "peak is nan"),
         (Onset, {"peak": 1, "decay_ms": 0}, "decay_ms is 0 ms; give a positive number"),

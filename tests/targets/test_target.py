@@ -233,7 +233,7 @@ def test_a_target_beside_the_stimulus_is_refused():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"channel": "spike"}, "channel is 'spike'; choose 'spikes' or"),
+        ({"channel": "spike"}, "channel is 'spike'; choose 'spikes'"),
         ({"values": [[1.0]]}, r"values has shape \(1, 1\)"),
         ({"values": []}, r"values has shape \(0,\)"),
         ({"values": ["a"]}, r"values is \['a'\]; give numbers"),

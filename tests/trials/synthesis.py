@@ -144,8 +144,11 @@ def write_matlab_73(path: pathlib.Path, made: list[Made]) -> None:
         file.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64")
 
 
-def write_nwb(path: pathlib.Path, made: list[Made], event: str = "collision_time") -> None:
-    """One animal: a unit on the clock of the session, and a table of trials."""
+def write_nwb(path: pathlib.Path, made: list[Made], event: str = "collision_time", units: tuple[str, ...] = ()) -> None:
+    """One animal: a unit on the clock of the session, and a table of trials.
+
+    **Arguments:** `units`: names of several, the first of which has the spikes.
+    """
     start = datetime.datetime(2020, 1, 1, tzinfo=datetime.UTC)
     library: Any = pynwb
     file = library.NWBFile("looms", "synthetic", start)
@@ -157,7 +160,11 @@ def write_nwb(path: pathlib.Path, made: list[Made], event: str = "collision_time
         first, last = (impact + edge / 1000 for edge in WINDOW)
         file.add_trial(first, last, trial=int(trial.trial), l_over_v_ms=trial.l_over_v, **{event: impact})
         spikes += [impact + t / 1000 for t in trial.spikes]
-    file.add_unit(spike_times=np.array(spikes))
+    if units:
+        file.add_unit_column("unit_name", "name")
+    for number, name in enumerate(units or ("",)):
+        named = {"unit_name": name} if units else {}
+        file.add_unit(spike_times=np.array([1.0] if number else spikes), **named)
     with library.NWBHDF5IO(path, "w") as writer:
         writer.write(file)
 

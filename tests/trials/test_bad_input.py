@@ -12,6 +12,7 @@ from lgmd2jax.cli import main
 from tests.trials import synthesis
 from tests.trials.synthesis import WINDOW, recordings
 
+MATRIX = np.array([[-90.0, -30.0, 5.0, np.nan, np.nan], [-80.0, -40.0, -20.0, 10.0, np.nan]])
 TIDY = "animal,trial,l_over_v_ms,spike_ms\n"
 ROWS = "".join(f"A,{trial},20,{time}\n" for trial in (1, 2) for time in (-300.5, -80, -60, -55.5, 12, 300))
 TRIALS = "animal,trial,l_over_v_ms,impact_s,start_s,end_s\nA,1,20,10,9,11\nA,2,20,20,19,21\n"
@@ -88,7 +89,7 @@ CASES = {
     "columns without a unit": ("A_lv20_1,A_lv20_2\n-.1,-.2\n.3,.1\n", {}, "'A_lv20_1', -0.1 to 0.3, have no unit"),
     "NaN amid a column": ("A_lv20_1 (s),A_lv20_2 (s)\n-.1,-.2\nnan,.1\n.3,.2\n", {}, "'nan' in row 2"),
     "a unit that is none": (TIDY + ROWS, {"time_unit": "h"}, "time_unit is 'h'"),
-    "no file": (None, {}, "there is no file"),
+    "no file": (None, {}, "no such file"),
     "empty": ("", {}, "no rows"),
     "a header alone": (TIDY, {}, "no rows"),
     "trials without any spike": (TIDY + "A,1,20,\nA,2,20,\n", {}, "there is no spike in any trial"),
@@ -194,10 +195,50 @@ def test_a_matlab_file_of_something_else_is_refused(tmp_path):
         ("picture", {"image": np.zeros((3, 4)), "name": "x"}, "named like spike times|no trials"),
         ("lengths", {"spikes_s": np.zeros(3), "trial": np.zeros(5)}, r"spikes_s \(3\), trial \(5\)"),
         ("unit", {"spikes": np.array([-0.1, 0.2]), "trial": np.array([1, 2])}, "'spikes', -0.1 to 0.2, have no unit"),
+        ("across", {"spikes_ms": MATRIX[:, :2].T, "lv_ms": [20.0, 20.0]}, "'spikes_ms' do not rise; give a row for"),
+        ("zeros", {"spikes_ms": np.nan_to_num(MATRIX), "lv_ms": [20.0, 20.0]}, "do not rise.*filled up with NaN"),
+        ("raster", {"spikes_ms": np.eye(2, 900), "lv_ms": [20.0, 20.0]}, "do not rise"),
+        ("complex", {"spikes_ms": MATRIX + 1j, "lv_ms": [20.0, 20.0]}, "'spikes_ms' of trial 1 is complex"),
+        ("gap", {"spikes_ms": MATRIX[:, [0, 4, 1]], "lv_ms": [20.0, 20.0]}, "trial 1: a spike time is not finite"),
     ):
         scipy.io.savemat(tmp_path / f"{name}.mat", content)
         with pytest.raises(ValueError, match=words):
             lgmd.load_trials(tmp_path / f"{name}.mat")
+
+
+def test_a_matrix_of_a_row_a_trial_is_filled_up_with_nan(tmp_path):
+    scipy.io.savemat(tmp_path / "rows.mat", {"spikes_ms": MATRIX, "lv_ms": [20.0, 40.0]})
+    trials = lgmd.load_trials(tmp_path / "rows.mat")
+    assert [trial.spikes_ms.tolist() for trial in trials] == [[-90.0, -30.0, 5.0], [-80.0, -40.0, -20.0, 10.0]]
+    assert [trial.condition["l_over_v"] for trial in trials] == [20.0, 40.0]
+
+
+def test_a_torn_hdf5_file_of_matlab_is_named(tmp_path):
+    (tmp_path / "torn.mat").write_bytes(b"MATLAB 7.3 MAT-file" + bytes(3000))
+    with pytest.raises(ValueError, match=r"torn\.mat: this is no Matlab file"):
+        lgmd.load_trials(tmp_path / "torn.mat")
+
+
+def test_numbers_with_a_decimal_comma_as_text_in_a_workbook(tmp_path):
+    book = openpyxl.Workbook()
+    cells = [["trial", "l_over_v_ms", "spike_ms"], [1, 20.0, "-80,5"], [1, 20.0, -30.25], [2, 20.0, "12,0"]]
+    for row in cells:
+        book.active.append(row)  # pyright: ignore[reportOptionalMemberAccess]
+    book.save(tmp_path / "comma.xlsx")
+    with pytest.raises(ValueError, match=r"'-80,5' in row 1, .* give decimal = ','"):
+        lgmd.load_trials(tmp_path / "comma.xlsx")
+    trials = lgmd.load_trials(tmp_path / "comma.xlsx", decimal=",")
+    assert [trial.spikes_ms.tolist() for trial in trials] == [[-80.5, -30.25], [12.0]]
+
+
+def test_a_formula_without_its_value_is_no_empty_cell(tmp_path):
+    """Such a row would be a trial without a spike."""
+    book = openpyxl.Workbook()
+    for row in (["trial", "l_over_v_ms", "spike_ms"], [1, 20.0, -80.5], [1, 20.0, "=C2+1"]):
+        book.active.append(row)  # pyright: ignore[reportOptionalMemberAccess]
+    book.save(tmp_path / "formula.xlsx")
+    with pytest.raises(ValueError, match=r"row 3 of the sheet 'Sheet' holds the formula '=C2\+1' without its value"):
+        lgmd.load_trials(tmp_path / "formula.xlsx")
 
 
 def test_an_empty_workbook_is_refused(tmp_path):
@@ -227,6 +268,30 @@ def test_an_nwb_file_without_a_collision_says_how_to_name_it(tmp_path):
     with pytest.raises(ValueError, match=r"name it by event \(--event\), one of start_time, stop_time"):
         lgmd.load_trials(tmp_path / "a.nwb")
     assert len(lgmd.load_trials(tmp_path / "a.nwb", event="flash_time")) == len(own)
+
+
+def test_units_of_one_name_are_told_apart(tmp_path):
+    own = recordings("A", trials=1)
+    synthesis.write_nwb(tmp_path / "a.nwb", own, units=("DCMD", "DCMD"))
+    with pytest.raises(ValueError, match="there are 2 units, '0', '1'; choose one by unit"):
+        lgmd.load_trials(tmp_path / "a.nwb")
+    first = lgmd.load_trials(tmp_path / "a.nwb", unit="0")
+    assert sum(trial.spikes_ms.size for trial in first) == sum(len(trial.spikes) for trial in own)
+    block = synthesis.neo_block(own)
+    for segment in block.segments:
+        segment.spiketrains.append(copy.copy(segment.spiketrains[0]))
+    with pytest.raises(ValueError, match="there are 2 units named 'DCMD'; give them names of their own"):
+        lgmd.load_trials(block, unit="DCMD")
+
+
+def test_trials_that_share_no_time_have_no_peak():
+    far = tuple(
+        lgmd.Trial("A", str(i), {"l_over_v": speed}, np.array([start + 1.0]), start, start + 2.0)
+        for speed in (20.0, 40.0)
+        for i, start in enumerate((-50.0, 50.0))
+    )
+    with pytest.raises(ValueError, match="20 ms: there is no time that all trials recorded"):
+        lgmd.Trials(far).looming_law()
 
 
 @pytest.mark.parametrize(("name", "extra"), [("a.xlsx", "excel"), ("a.nwb", "nwb"), ("a.nix", "neo")])

@@ -37,7 +37,9 @@ def add(commands: argparse._SubParsersAction) -> None:
         epilog=_EXAMPLES,
     )
     parser.add_argument("--seeds", type=int, default=20, metavar="N", help="how many arenas (default: %(default)s)")
-    parser.add_argument("--seconds", type=float, default=60.0, metavar="S", help="of a trip (default: %(default)g)")
+    parser.add_argument(
+        "--seconds", type=float, default=60.0, metavar="S", help="duration of a trip (default: %(default)g)"
+    )
     parser.add_argument(
         "--model",
         metavar="MODEL",
@@ -47,7 +49,8 @@ def add(commands: argparse._SubParsersAction) -> None:
         "--turn",
         choices=("random", "away"),
         default="random",
-        help="to a random side, or away from the side of more evidence by 45 to 135 degrees (default: %(default)s)",
+        help="where the robot turns at an alarm: to a random side, or away from the side of more evidence by 45 to "
+        "135 degrees (default: %(default)s)",
     )
     parser.add_argument("--json", type=Path, metavar="FILE", help="also write the numbers, by detector")
     parser.add_argument("--figure", type=Path, metavar="FILE", help="also draw trajectories in the first arenas")

@@ -29,4 +29,9 @@ def add(commands: argparse._SubParsersAction) -> None:
         epilog=_EXAMPLES,
     )
     add_recipe(parser)
-    parser.add_argument("--within-ms", type=float, metavar="MS", help="the time (default: the recipe's, or 500)")
+    parser.add_argument(
+        "--within-ms",
+        type=float,
+        metavar="MS",
+        help="within which time contact follows (default: the recipe's, or 500)",
+    )

@@ -36,8 +36,14 @@ def add(commands: argparse._SubParsersAction) -> None:
     parser.add_argument("--replace", action="store_true", help="replace an earlier import in this folder")
     parser.add_argument("--fps", type=float, metavar="HZ", help="frame rate of the screen (assumed: 60)")
     parser.add_argument("--stop-angle", type=float, metavar="DEG", help="full angle where the loom stops (assumed: 80)")
-    parser.add_argument("--contrast", type=float, metavar="WEBER", help="of the object (assumed: -0.9)")
-    parser.add_argument("--background", type=float, metavar="LEVEL", help="grey level, 0 to 255 (assumed: 200)")
+    parser.add_argument("--contrast", type=float, metavar="WEBER", help="Weber contrast of the object (assumed: -0.9)")
     parser.add_argument(
-        "--kernel-ms", type=float, default=20.0, metavar="MS", help="s.d. of the Gaussian of rates (default: 20)"
+        "--background", type=float, metavar="LEVEL", help="grey level of the ground, 0 to 255 (assumed: 200)"
+    )
+    parser.add_argument(
+        "--kernel-ms",
+        type=float,
+        default=20.0,
+        metavar="MS",
+        help="s.d. of the Gaussian that makes rates of spikes (default: 20)",
     )

@@ -3,6 +3,7 @@
 import argparse
 from pathlib import Path
 
+from lgmd2jax.cli.options.frames_option import add_frame_options
 from lgmd2jax.cli.options.model_option import add_model
 
 _EXAMPLES = """\
@@ -38,15 +39,7 @@ def add(commands: argparse._SubParsersAction) -> None:
     parser.add_argument(
         "--overlay", type=Path, metavar="FILE", help="also write a video with trace and alarm drawn on it"
     )
-    parser.add_argument(
-        "--resize",
-        type=int,
-        metavar="N",
-        help="width in pixels that the model sees, after the crop (default: that of the model's eye, else 99)",
-    )
-    parser.add_argument(
-        "--crop", metavar="TOP:BOTTOM,LEFT:RIGHT", help="rows and columns to use, from 0; ends may be left out"
-    )
+    add_frame_options(parser, "99")
     parser.add_argument(
         "--timeout", type=float, default=5.0, metavar="S", help="seconds without a frame that end it (default: 5)"
     )

@@ -33,7 +33,8 @@ def add(commands: argparse._SubParsersAction) -> None:
         "--kernel-ms",
         type=float,
         metavar="MS",
-        help="s.d. of a Gaussian, whose rate is timed at its peak (default: a kernel of sixth order that l/|v| sets)",
+        help="s.d. of the Gaussian that makes rates, of which the peak is timed (default: a kernel of sixth order, "
+        "whose width follows l/|v|)",
     )
     parser.add_argument("--resamples", type=int, default=1000, metavar="N", help="bootstrap samples (default: 1000)")
-    parser.add_argument("--seed", type=int, default=0, metavar="N", help="of the bootstrap (default: 0)")
+    parser.add_argument("--seed", type=int, default=0, metavar="N", help="seed of the bootstrap (default: 0)")

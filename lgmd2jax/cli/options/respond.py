@@ -3,6 +3,7 @@
 import argparse
 from pathlib import Path
 
+from lgmd2jax.cli.options.frames_option import add_frame_options
 from lgmd2jax.cli.options.model_option import add_model
 
 _EXAMPLES = """\
@@ -42,15 +43,7 @@ def add(commands: argparse._SubParsersAction) -> None:
         "--overlay", type=Path, metavar="FILE", help="also write the clip with potential and alarm drawn on it"
     )
     parser.add_argument("--fps", type=float, metavar="N", help="frames per second (default: the file's own clock)")
-    parser.add_argument(
-        "--resize",
-        type=int,
-        metavar="N",
-        help="width in pixels that the model sees, after the crop (default: that of the model's eye, else the clip's)",
-    )
-    parser.add_argument(
-        "--crop", metavar="TOP:BOTTOM,LEFT:RIGHT", help="rows and columns to use, from 0; ends may be left out"
-    )
+    add_frame_options(parser, "that of the clip")
     parser.add_argument("--drop-duplicates", action="store_true", help="pass over frames that repeat the one before")
     parser.add_argument(
         "--white", type=float, metavar="LEVEL", help="the value that is white (default: the largest of the format)"

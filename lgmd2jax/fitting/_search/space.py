@@ -28,7 +28,7 @@ class Space(eqx.Module, Generic[AnyNetwork]):
     @property
     def pixel_indices(self) -> tuple[int, ...]:
         """The free parameters that the pixels need."""
-        return tuple(i for i, freedom in enumerate(self.free.structure) if freedom.symbol.stage == "pixels")
+        return tuple(i for i, parameter in enumerate(self.free.structure) if parameter.symbol.stage == "pixels")
 
     @property
     def cell_indices(self) -> tuple[int, ...]:

@@ -1,4 +1,4 @@
-"""PyAV, and files and streams as it opens them for reading."""
+"""PyAV, which is an extra, and files and streams as it opens them for reading."""
 
 from typing import Any
 
