@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import lgmd2jax as lgmd
-from benchmarks.twins import FREE, SEARCH, WITH_MECHANISMS, covered, eye_of, stimuli, twin
+from benchmarks.twins import FREE, SEARCH, WITH_MECHANISMS, coverage, eye_of, stimuli, twin
 
 QUICK: dict[str, Any] = {"pixel_points": 64, "cell_points": 512}
 
@@ -55,7 +55,9 @@ def test_hard_twins_with_all_mechanisms_answer_alike_on_18_of_20_sets(shown):
 @pytest.mark.slow
 def test_intervals_cover_the_truth_as_often_as_they_say(shown):
     """200 noisy twins; a share of 95 % lies within 90 to 98 % unless one is unlucky by more than two deviations."""
-    held, known = np.moveaxis(np.array([covered(seed, 0.002, shown, **SEARCH) for seed in range(200)]), 1, 0)
+    fits = [fit for seed in range(200) if (fit := coverage(seed, 0.002, shown, **SEARCH)).valid]
+    assert len(fits) >= 190
+    held, known = np.array([fit.held for fit in fits]), np.array([fit.known for fit in fits])
     for name, holds, judged in zip(FREE.names, held.T, known.T, strict=True):
         if name == "theta1":  # below the gate it leaves no trace, above it a large one: rarely well determined
             assert holds[judged].mean() >= 0.90

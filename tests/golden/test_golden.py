@@ -30,11 +30,12 @@ SLOW = ("exam", "exam_yue_rind", "fit_hard", "alarms_fitted")
 # What is meant to be other than it was: by case, the names that contain one of these.
 SUPERSEDED = {
     "model_files": ("/keys",),  # version 2 names its network
+    "declared": ("Parameters.u",),  # fits at 100 fps need a longer persistence
     "fit_hard": ("confidence", "summary"),  # was always .95; reports grade the targets
     # Widths of mechanisms that came later, version 2 of the model, the rules of samples and errors, digests of stimuli,
     # in the table of curves the error of each frame, grades of targets, what of a fit is still to come, and beside the
-    # other files the data that were fitted.
-    "fit_soft_and_its_files": ("confidence", "/keys", "curves.csv/header", "files", "report.txt", "summary"),
+    # other files the data that were fitted; one remark for all targets that are missed.
+    "fit_soft_and_its_files": ("confidence", "/keys", "curves.csv/header", "files", "remarks", "report.txt", "summary"),
     "files_of_version_1": ("confidence", "summary"),
     "alarms_fitted": ("summary",),  # Table I is scored with its own N_ts
     # The error over few animals is drawn towards the Poisson error; values further apart than the frames count once.
