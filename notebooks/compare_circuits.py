@@ -1,7 +1,7 @@
 # %% [markdown]
 # # Compare circuits
 # The paper's circuit holds at most 16 of the 22 response properties, of 278,528 models that were tried; with four
-# optional mechanisms a fitted one holds 21 ([which, and at what cost](../fits/lgmd2/properties.md)). Here is why the
+# optional mechanisms a fitted one holds 20 ([which, and at what cost](../fits/lgmd2/properties.md)). Here is why the
 # paper's circuit cannot, and what each mechanism does to a fit of recordings.
 
 # %%

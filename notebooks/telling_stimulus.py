@@ -85,7 +85,7 @@ def against_protocol(found, unit):
     print(f"{found.score:.4g} {unit}; the best of the protocol, {best.name}: {found.measured(best):.4g} {unit}")
 
 
-strongest = lgmd.strongest_stimulus(flagship, "looming", vary, key=jax.random.key(0), eye=screen, starts=2, **window)
+strongest = lgmd.strongest_stimulus(flagship, "looming", vary, key=jax.random.key(0), eye=screen, starts=4, **window)
 against_protocol(strongest, "ms of U' above rest")
 plots.strip(strongest.stimulus, at_ms=(-600, -300, -150, -50, 0, 100))
 
