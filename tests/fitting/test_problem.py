@@ -3,14 +3,12 @@
 import jax.numpy as jnp
 import numpy as np
 import pytest
-import scipy
 
 import lgmd2jax as lgmd
 from lgmd2jax.fitting import Free, Linear, Tie
 from lgmd2jax.fitting._cell_search import search_cell
 from lgmd2jax.fitting._problem import chi2_residuals, problem_of
 from lgmd2jax.fitting._search.points import sobol
-from lgmd2jax.fitting._search.sobol import DIMENSIONS
 from lgmd2jax.fitting._uncertainty.jacobian import sensitivity_at
 
 SMALL = lgmd.Eye(rows=12, cols=16, degrees_per_pixel=8.0, fps=30.0)
@@ -171,9 +169,3 @@ def test_sobol_points_fill_the_box_and_follow_the_seed():
     np.testing.assert_array_equal(points, sobol(3, 100, (4, 2)))
     assert not np.array_equal(points, sobol(3, 100, (4, 3)))
     assert sobol(0, 100, (1,)).shape == (1, 0)
-
-
-@pytest.mark.parametrize("dimensions", [1, 2, 9, DIMENSIONS, DIMENSIONS + 1])
-def test_sobol_points_are_those_of_scipy(dimensions):
-    sampler = scipy.stats.qmc.Sobol(dimensions, rng=np.random.default_rng([4, 2]))
-    np.testing.assert_array_equal(sobol(dimensions, 100, (4, 2)), sampler.random_base2(7)[:100])

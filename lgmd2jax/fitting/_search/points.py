@@ -5,7 +5,6 @@ import numpy as np
 import scipy
 from jaxtyping import Array, Float
 
-from lgmd2jax.fitting._search.sobol import DIMENSIONS, scrambled_sobol
 from lgmd2jax.fitting._search.space import Space
 
 
@@ -18,11 +17,8 @@ def sobol(dimensions: int, count: int, seed: tuple[int, ...]) -> Float[np.ndarra
     """Points that fill the unit box evenly; another seed gives other points. Without dimensions there is one point."""
     if dimensions == 0:
         return np.zeros((1, 0))
-    generator = np.random.default_rng(list(seed))
-    if dimensions > DIMENSIONS:
-        sampler = scipy.stats.qmc.Sobol(dimensions, rng=generator)
-        return sampler.random_base2(max(count - 1, 1).bit_length())[:count]
-    return scrambled_sobol(dimensions, count, generator)
+    sampler = scipy.stats.qmc.Sobol(dimensions, scramble=True, rng=np.random.default_rng(list(seed)))
+    return sampler.random_base2(max(count - 1, 1).bit_length())[:count]
 
 
 def starting_points(
