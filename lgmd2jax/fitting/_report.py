@@ -91,9 +91,8 @@ def grades(curves: Sequence[Curve]) -> str:
 
 def consistent(u: Uncertainty) -> bool:
     """Whether chance alone would make chi2 as large as that in more than a thousandth of all cases."""
-    return bool(
-        scipy.special.chdtrc(max(u.degrees_of_freedom, 1), u.chi2) >= _CHANCE
-    )  # in bands there may be none left
+    degrees = max(u.degrees_of_freedom, 1)  # in bands there may be none left
+    return bool(scipy.special.chdtrc(degrees, u.chi2) >= _CHANCE)
 
 
 def _misfit(u: Uncertainty) -> str:

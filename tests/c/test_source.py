@@ -79,9 +79,9 @@ def test_the_files():
 @pytest.mark.parametrize(
     ("parameters", "message"),
     [
-        ({"theta2": 1e300}, r"theta2 is 1e\+300, in the single precision of C inf, and must lie in \[0, inf\)"),
-        ({"k": 1e-60}, r"k is 1e-60, in the single precision of C 0, and must lie in \(0, inf\)"),
-        ({"sigma1": 1 - 1e-12}, r"sigma1 is 1, in the single precision of C 1"),
+        ({"theta2": 1e300}, r"theta2 is 1e\+300, which single precision in C rounds to inf, outside of \[0, inf\)"),
+        ({"k": 1e-60}, r"k is 1e-60, which single precision in C rounds to 0, outside of \(0, inf\)"),
+        ({"sigma1": 1 - 1e-12}, r"sigma1 is 1, which single precision in C rounds to 1, outside of \[0, 1\)"),
     ],
 )
 @pytest.mark.filterwarnings("ignore:overflow encountered in cast")

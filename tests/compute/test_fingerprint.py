@@ -235,7 +235,7 @@ def test_a_circle_ends():
 def test_what_cannot_be_told_is_refused(tmp_path):
     with (
         open(tmp_path / "file", "w") as file,
-        pytest.raises(ValueError, match="there is a TextIOWrapper, whose content"),
+        pytest.raises(ValueError, match="an object of type TextIOWrapper has no content that can be compared"),
     ):
         fingerprint(enclosed(file))
 

@@ -263,7 +263,7 @@ def test_degenerate_cases_end_well(looms):
     unreachable = [(stimulus, lgmd.Target("smp_adapted", np.full(len(stimulus.time), 0.9))) for stimulus in looms]
     fit = lgmd.fit(saturated, unreachable, free, key=KEY, **QUICK)
     assert np.isfinite(fit.loss)
-    assert "this target" in " ".join(fit.remarks())
+    assert "2 of 2 targets are missed" in " ".join(fit.remarks())
     assert {curve.grade for curve in fit.curves} == {"missed"}
 
 

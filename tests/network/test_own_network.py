@@ -149,7 +149,7 @@ def test_a_file_without_a_clear_clip_is_told(tmp_path, monkeypatch):
     """Where the least movement of a parameter is a jump, a clip that stands still is left."""
     monkeypatch.setattr(response_vector, "_NEAR", 0.9)
     monkeypatch.setattr(response_vector, "_CLIPS", 3)
-    with pytest.warns(UserWarning, match="none of 3 clips keeps clear of the thresholds of this Dimming"):
+    with pytest.warns(UserWarning, match="none of 3 test clips stays clear of the thresholds of this Dimming"):
         lgmd.save(NETWORK, tmp_path / "model.json")
     vector = json.loads((tmp_path / "model.json").read_text())["test_vector"]
     assert np.ptp(vector["frames"], axis=0).max() == 0
