@@ -74,7 +74,7 @@ for name, value, column in zip(simulator.names, truth, theta.T, strict=True):
 # %%
 flagship = lgmd.load_fit("lgmd2")
 screen = lgmd.Eye(rows=48, cols=64, degrees_per_pixel=2.0, fps=60.0)
-window: dict[str, Any] = {"start_ms": -900, "end_ms": 300}
+window: dict[str, Any] = {"start_ms": -1700, "end_ms": 300}
 vary = {"l_over_v": lgmd.Log(5, 80), "stop_angle": (20, 120), "contrast": (-1, -0.2), "background": (60, 220)}
 protocol = [dataclasses.replace(it, eye=screen).render() for it in lgmd.load_protocol("lgmd2").conditions]
 
@@ -85,7 +85,7 @@ def against_protocol(found, unit):
     print(f"{found.score:.4g} {unit}; the best of the protocol, {best.name}: {found.measured(best):.4g} {unit}")
 
 
-strongest = lgmd.strongest_stimulus(flagship, "looming", vary, key=jax.random.key(0), eye=screen, starts=4, **window)
+strongest = lgmd.strongest_stimulus(flagship, "looming", vary, key=jax.random.key(0), eye=screen, starts=2, **window)
 against_protocol(strongest, "ms of U' above rest")
 plots.strip(strongest.stimulus, at_ms=(-600, -300, -150, -50, 0, 100))
 
