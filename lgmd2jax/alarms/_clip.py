@@ -137,7 +137,7 @@ def labels_of(
     labels = ClipLabels(name, float(fps), index, time, interval, _pairs(windows), _pairs(silent), contact)
     for window, inside in zip(labels.windows, labels.in_windows(), strict=True):
         if not inside.any():
-            raise ValueError(f"{name}: alarm {window[0]} to {window[1]} holds repeated frames alone; widen it")
+            raise ValueError(f"{name}: alarm {window[0]} to {window[1]} holds only repeated frames; widen it")
     return labels
 
 

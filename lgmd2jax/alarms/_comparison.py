@@ -92,7 +92,7 @@ class Comparison:
         """
         clips = next(iter(detectors.values())).evaluation.clips
         if not sum(clip.silent_minutes for clip in clips):
-            raise ValueError("no clip has a silence; false alarms are counted there, so give at least one")
+            raise ValueError("no clip has a silence, where false alarms are counted; give at least one")
         groups = _groups(clips)
         folds, words = _folds(clips, groups) if training is None else (None, training[0])
         compared: dict[str, Compared] = {}

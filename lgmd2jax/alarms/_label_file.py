@@ -55,7 +55,7 @@ class Rendering:
         if not 0 < self.alarm_below_ms <= self.silent_above_ms:
             raise ValueError(
                 f"alarm_below_ms is {self.alarm_below_ms:g} and silent_above_ms {self.silent_above_ms:g}; "
-                "let both be positive and the first not the larger"
+                "give positive times, the first at most as long as the second"
             )
 
     def clips(self, eye: Eye) -> Iterator[LabelledClip]:

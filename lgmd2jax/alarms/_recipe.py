@@ -92,7 +92,7 @@ def alarm_recipe(path: Path, table: dict[str, Any]) -> AlarmRecipe:
     file = load_labels(beside(path, table["protocol"]))
     held_out = Rendering(**table["validation"]) if "validation" in table else None
     if held_out is not None and file.rendered is not None and held_out.seed == file.rendered.seed:
-        raise ValueError(f"validation.seed = {held_out.seed}: is that of the clips that are fitted; give another one")
+        raise ValueError(f"validation.seed = {held_out.seed}: the fitted clips have the same seed; give another one")
     if "urgency" in table and held_out is None:
         raise ValueError("urgency is asked for without [validation]: nothing would say whether it holds; add it")
     return AlarmRecipe(

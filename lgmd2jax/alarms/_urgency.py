@@ -152,7 +152,7 @@ def _judged(
         evidence = np.asarray(_evidence(model, response, clip.interval, tau_ms))[judged]
         parts.append((evidence, left[judged] <= within_ms, np.full(judged.sum(), number)))
     if not parts or not sum(len(happens) for _, happens, _ in parts):
-        raise ValueError("no clip tells in which frame something is hit; give it as contact")
+        raise ValueError("no clip has a frame of contact; give one as contact")
     evidence, happens, numbers = map(np.concatenate, zip(*parts, strict=True))
     return evidence, happens, numbers
 

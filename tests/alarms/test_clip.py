@@ -39,7 +39,7 @@ def test_contact_may_come_after_the_end(contact, ms):
         ({"windows": [(5, 9)], "silent": [(9, 12)]}, r"c: alarm up to 9 and silent from 9 overlap"),
         ({"windows": [(5, 9), (7, 12)]}, r"alarm up to 9 and alarm from 7 overlap"),
         ({"windows": [(5,)]}, r"c: alarm holds \(5,\); write pairs of frames"),
-        ({"windows": [(2, 2)], "index": np.arange(0, 40, 2) + (np.arange(20) > 0)}, r"holds repeated frames alone"),
+        ({"windows": [(2, 2)], "index": np.arange(0, 40, 2) + (np.arange(20) > 0)}, r"holds only repeated frames"),
     ],
 )
 @pytest.mark.usefixtures("untyped")

@@ -138,7 +138,7 @@ def test_the_handed_over_model_alarms_as_the_report_says(place):
 @pytest.mark.parametrize(
     ("recipe", "message"),
     [
-        (RECIPE.replace("seed = 9", "seed = 2"), "validation.seed = 2: is that of the clips that are fitted"),
+        (RECIPE.replace("seed = 9", "seed = 2"), "validation.seed = 2: the fitted clips have the same seed"),
         (RECIPE.replace("[solver]", "[solver]\nloss = 'huber'"), "solver.loss = 'huber': unknown key"),
         (RECIPE.replace("clips.toml", "looming"), "it is a protocol of stimuli, not a file of labelled clips"),
         (RECIPE.replace("k = {", "kk = {"), "free.kk = {"),

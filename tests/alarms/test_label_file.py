@@ -201,7 +201,10 @@ def test_the_shipped_file_and_rendered_clips():
         ('[[clip]]\nfile = "crash.mkv"\ncrop = {}\n', r"clip\[0\]\.crop = \{\}: must be a text"),
         ('[[clip]]\nfile = "crash.mkv"\nresize = 1e9\n', r"clip\[0\]\.resize = 1.*: must be a whole number"),
         ('[[clip]]\nfile = "crash.mkv"\nuntil_damage = 1\n', r"clip\[0\]\.until_damage = 1: must be true or false"),
-        ("[rendered]\ncount = 4\nalarm_below_ms = 3000\n", "let both be positive and the first not the larger"),
+        (
+            "[rendered]\ncount = 4\nalarm_below_ms = 3000\n",
+            "give positive times, the first at most as long as the second",
+        ),
     ],
 )
 def test_what_is_refused(place, text, message):

@@ -164,7 +164,7 @@ def test_a_fit_finds_what_tells_contact_and_says_how_well():
 def test_a_fit_of_nothing_is_refused(arguments, message):
     with pytest.raises(ValueError, match=message):
         alarms.fit_urgency(lgmd.LGMD2(), [labelled(30)], **arguments)
-    with pytest.raises(ValueError, match="no clip tells in which frame something is hit"):
+    with pytest.raises(ValueError, match="no clip has a frame of contact"):
         alarms.fit_urgency(lgmd.LGMD2(), [labelled(None, [(20, 22)])])
 
 
