@@ -92,7 +92,7 @@ def grades(curves: Sequence[Curve]) -> str:
 def consistent(u: Uncertainty) -> bool:
     """Whether chance alone would make chi2 as large as that in more than a thousandth of all cases."""
     degrees = max(u.degrees_of_freedom, 1)  # in bands there may be none left
-    return bool(scipy.special.chdtrc(degrees, u.chi2) >= _CHANCE)
+    return bool(scipy.stats.chi2.sf(u.chi2, degrees) >= _CHANCE)
 
 
 def _misfit(u: Uncertainty) -> str:

@@ -126,9 +126,8 @@ def linearised_uncertainty(
     if not reason and np.isinf(errors_z).all():
         reason = "no parameter is determined by these curves"
 
-    end = 0.5 + CONFIDENCE / 2
-    quantile = scipy.special.ndtri(end) if absolute else scipy.special.stdtrit(max(degrees, np.finfo(float).tiny), end)
-    reach = quantile * errors_z
+    law = scipy.stats.norm if absolute else scipy.stats.t(max(degrees, np.finfo(float).tiny))
+    reach = law.ppf(0.5 + CONFIDENCE / 2) * errors_z
     ends = [np.clip(z + sign * reach, 0, 1) for sign in (-1, 1)]
     with np.errstate(invalid="ignore", divide="ignore"):
         correlation = covariance_z / np.outer(errors_z, errors_z)

@@ -54,8 +54,8 @@ def rise_limit(u: Uncertainty, confidence: float) -> float:
     With errors that are only relative, the residual variance is known no better than its degrees of freedom allow.
     """
     if u.absolute:
-        return float(2 * scipy.special.gammaincinv(0.5, confidence))
-    return float(scipy.special.fdtri(1, u.degrees_of_freedom, confidence))
+        return float(scipy.stats.chi2.ppf(confidence, 1))
+    return float(scipy.stats.f.ppf(confidence, 1, u.degrees_of_freedom))
 
 
 def profile_likelihood(

@@ -55,7 +55,7 @@ def random_effects(
     degrees = len(y) - 1
     scatter = weights @ np.square(y - mean) / degrees  # 1 as a rule; less of it is chance
     error = float(np.sqrt(max(scatter, 1.0) / weights.sum()))
-    reach = float(scipy.special.stdtrit(degrees, 0.5 + CONFIDENCE / 2)) * error
+    reach = float(scipy.stats.t.ppf(0.5 + CONFIDENCE / 2, degrees)) * error
     alone, fixed = weighted(0.0)
     excess = 1 - degrees / max(float(alone @ np.square(y - fixed)), np.finfo(float).tiny)
     return RandomEffects(mean, error, (mean - reach, mean + reach), spread, max(excess, 0.0))

@@ -53,5 +53,5 @@ def score_test(
         better = float(np.clip(value + fall / curvature, low, high))
         step = better - value
         decrease = 2 * fall * step - curvature * step**2
-        scores.append(Score(name, float(value), better, decrease, float(scipy.special.chdtrc(1, decrease))))
+        scores.append(Score(name, float(value), better, decrease, float(scipy.stats.chi2.sf(decrease, 1))))
     return sorted(scores, key=lambda score: -score.decrease)
