@@ -22,8 +22,8 @@ def keep_programs() -> None:
     """Before JAX is imported: ask it to keep what it compiles, unless its user has decided on that.
 
     The user decides by JAX's own variables, `JAX_COMPILATION_CACHE_DIR` and `JAX_ENABLE_COMPILATION_CACHE`. Processes
-    that this one starts share the folder. A program that cannot be read or written is compiled, and nothing is said;
-    one that is spoilt is written anew.
+    that this one starts share the folder. A program that cannot be read or written is compiled, and nothing is said; a
+    spoilt one is written anew.
     """
     if os.environ.get("JAX_ENABLE_COMPILATION_CACHE", "true").lower() in _OFF:
         return
