@@ -19,7 +19,7 @@ from lgmd2jax.alarms._clip import LabelledClip
 from lgmd2jax.alarms._evaluation import evaluate
 from lgmd2jax.alarms._problem import AlarmProblem, problem_of
 from lgmd2jax.alarms._result import AlarmFit
-from lgmd2jax.alarms._starts import AlarmDescent, AlarmStarts, Contender, Screening, risk
+from lgmd2jax.alarms._starts import AlarmDescent, AlarmStarts, Candidate, Screening, risk
 from lgmd2jax.fitting import Free
 from lgmd2jax.fitting._search.search import TEMPERATURES, Search, check_counts
 
@@ -116,17 +116,17 @@ def fit(
             parents = sorted(best.values(), key=risk)[:_PARENTS]
             task = partial(starts.near, [parent.z for parent in parents], _REACH / 2**generation)
             numbers = range(len(best), len(best) + children)
-            best |= _contenders(work.do(f"generation {generation + 1}", task, numbers))
+            best |= _candidates(work.do(f"generation {generation + 1}", task, numbers))
         chosen = sorted(best, key=lambda number: risk(best[number]))[:descend]
         task = partial(starts.descend, {number: best[number] for number in chosen})
-        descents = _contenders(work.do("descending", task, chosen, search.compile_descent))
+        descents = _candidates(work.do("descending", task, chosen, search.compile_descent))
         # Generations and descents saw all clips: a choice without a source sets out from what was looked at anywhere.
         without = {
             source: min((screening.best_without[source] for screening in anywhere.values()), key=risk)
             for source in events_of
         }
         task = partial(starts.leave_out, without, [_REACH / 2**generation for generation in range(generations)])
-        left_out = _contenders(work.do("leaving out", task, events_of))
+        left_out = _candidates(work.do("leaving out", task, events_of))
         stopped = work.stop.is_set()
     winner = min([*best.values(), *descents.values()], key=risk)
     recorded_clips = [clip for clip in clips if clip.source is not None]
@@ -145,8 +145,8 @@ def fit(
             AlarmDescent(number, best[number].margin, after.margin, after.cost) for number, after in descents.items()
         ),
         without={
-            names[source]: evaluate(_model_at(model, free, contender), recorded_clips)
-            for source, contender in left_out.items()
+            names[source]: evaluate(_model_at(model, free, candidate), recorded_clips)
+            for source, candidate in left_out.items()
         },
         stopped=stopped,
     )
@@ -161,27 +161,27 @@ def _sources(clips: Sequence[LabelledClip]) -> dict[str, list[int]]:
     return sources
 
 
-def _model_at(model: LGMD2, free: Free, contender: Contender) -> LGMD2:
-    """The model with the parameters of a contender."""
-    parameters, _ = free.insert(model.parameters, Observation(), np.array(contender.z))
+def _model_at(model: LGMD2, free: Free, candidate: Candidate) -> LGMD2:
+    """The model with the parameters of a candidate."""
+    parameters, _ = free.insert(model.parameters, Observation(), np.array(candidate.z))
     return dataclasses.replace(model, parameters=parameters)
 
 
-def _contenders(results: Mapping[int, Result]) -> dict[int, Contender]:
+def _candidates(results: Mapping[int, Result]) -> dict[int, Candidate]:
     """The best of each task, from its plain data."""
-    return {number: Contender.of(plain["best"]) for number, plain in results.items()}
+    return {number: Candidate.of(plain["best"]) for number, plain in results.items()}
 
 
 def _check(model: LGMD2, clips: Sequence[LabelledClip], weights: dict[str, float | int]) -> None:
     if not clips:
         raise ValueError("clips is empty; give at least one")
     if not any(clip.windows for clip in clips):
-        raise ValueError("no clip has a window in which an alarm is wanted; then a model that never fires would do")
+        raise ValueError("no clip has a window, in which an alarm is wanted; give at least one")
     for name, weight in weights.items():
         if not (np.isfinite(weight) and weight > 0):
             raise ValueError(f"{name} is {weight!r}; give a positive weight")
     if float(model.parameters.N_sp) % 1:
-        raise ValueError(f"N_sp is {float(model.parameters.N_sp):g}; alarms count whole spikes: give a whole number")
+        raise ValueError(f"N_sp is {float(model.parameters.N_sp):g}; an alarm counts spikes: give a whole number")
 
 
 def _ranges(problem: AlarmProblem, screenings: Sequence[Screening]) -> dict[str, tuple[float, float]]:

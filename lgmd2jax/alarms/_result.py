@@ -73,8 +73,8 @@ class AlarmFit:
     ) -> list[Section]:
         """The report's sections.
 
-        **Arguments:** `held_out`: what models do on clips that the fit did not see. `unfinished`: what is still to
-        come, each in a few words. `comparisons`: with plain detectors, each on the clips that its title names.
+        **Arguments:** `held_out`: what models do on held-out clips. `unfinished`: what is still to come, each in a few
+        words. `comparisons`: with plain detectors, each on the clips that its title names.
         """
         return [
             *unfinished_section(unfinished),

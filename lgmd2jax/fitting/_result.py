@@ -389,7 +389,7 @@ class Fit:
         if self.problem is not None:
             return self.problem
         if self.data is None:
-            raise ValueError(f"{purpose} needs the stimuli and targets, which this fit does not hold; make it anew")
+            raise ValueError(f"{purpose} needs the stimuli and targets, which this fit does not hold; fit again")
         return self._loaded_problem
 
     @functools.cached_property

@@ -84,7 +84,7 @@ CASES = {
     "columns that tell no trial": (
         "first (s),second (s)\n-.1,-.2\n.3,.1\n",
         {},
-        "'first .s.' tells no trial; name each",
+        "'first .s.' names no trial; name each",
     ),
     "columns without a unit": ("A_lv20_1,A_lv20_2\n-.1,-.2\n.3,.1\n", {}, "'A_lv20_1', -0.1 to 0.3, have no unit"),
     "NaN amid a column": ("A_lv20_1 (s),A_lv20_2 (s)\n-.1,-.2\nnan,.1\n.3,.2\n", {}, "'nan' in row 2"),
@@ -148,7 +148,7 @@ PAIRS = {
     "a span that ends before it starts": (
         TRIALS.replace("9,11", "11,9"),
         "animal,trial,spike_s\nA,2,20\n",
-        "mend its span",
+        "correct its span",
     ),
 }
 
@@ -167,8 +167,8 @@ def test_what_stands_twice_and_alike_counts_once_and_is_told(tmp_path):
     (tmp_path / "spikes.csv").write_text(SPIKES + "A,2,19.95\n")
     trials = lgmd.load_trials(tmp_path)
     assert [trial.spikes_ms.tolist() for trial in trials] == [[-100, 100], [-50]]
-    assert any("1 rows of the trials stand twice" in remark for remark in trials.remarks)
-    assert any("1 spikes stand twice" in remark for remark in trials.remarks)
+    assert any("1 rows of the trials appear twice" in remark for remark in trials.remarks)
+    assert any("1 spikes appear twice" in remark for remark in trials.remarks)
 
 
 def test_rows_in_any_order_give_the_same_trials(tmp_path):
@@ -215,7 +215,7 @@ def test_a_matrix_of_a_row_a_trial_is_filled_up_with_nan(tmp_path):
 
 def test_a_torn_hdf5_file_of_matlab_is_named(tmp_path):
     (tmp_path / "torn.mat").write_bytes(b"MATLAB 7.3 MAT-file" + bytes(3000))
-    with pytest.raises(ValueError, match=r"torn\.mat: this is no Matlab file"):
+    with pytest.raises(ValueError, match=r"torn\.mat: this is not a Matlab file"):
         lgmd.load_trials(tmp_path / "torn.mat")
 
 
