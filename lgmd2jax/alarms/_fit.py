@@ -70,7 +70,7 @@ def fit(
     - `recorded`: what all recorded clips, those that have a source, weigh together, as a multiple of the rendered ones;
       by default each error counts alike, times the weight of its clip.
     - `pixel_points`, `cell_points`, `descend`, `temperatures`, `max_steps`: as for `lgmd2jax.fit`.
-    - `generations`: of the search near the best, each a quarter of the pixel points; 0 for none, as for `descend`.
+    - `generations`: of the search near the best, each a quarter of the pixel points; it and `descend` may be 0.
     - `progress`: show a bar.
     - `memory`: a mapping that keeps finished work; given again, the fit goes on from there. That of another fit is
       refused.
