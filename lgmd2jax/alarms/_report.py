@@ -169,7 +169,7 @@ def parameter_section(free: Free, parameters: ParameterSet, ranges: Mapping[str,
         rows.append((name, f"{float(getattr(parameters, name)):.5g}", unit, where))
     for name, tie in free.ties.items():
         rows.append((name, f"{float(getattr(parameters, name)):.5g}", "", f"= {tie.factor:g} {tie.to}"))
-    title = "Parameters, and their ranges over the sets that are correct on all clips"
+    title = "Parameters" + (", and their ranges over the sets that are correct on all clips" if ranges else "")
     return Section(title, ("name", "value|", "unit", "range"), tuple(rows))
 
 
