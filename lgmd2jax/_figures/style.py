@@ -61,7 +61,7 @@ def check_figure_path(path: str | os.PathLike) -> None:
     """Raise `ValueError` for a name whose suffix is no format that a figure can be written in."""
     known = Figure().canvas.get_supported_filetypes()
     if Path(path).suffix[1:].lower() not in known:
-        raise ValueError(f"cannot find the format of the figure {path}; end its name in .png, .pdf or .svg")
+        raise ValueError(f"cannot tell the format of the figure {path}; end its name in .png, .pdf or .svg")
 
 
 def check_count(count: int, things: str) -> None:

@@ -51,7 +51,7 @@ def video_writer(path: str | os.PathLike, fps: float) -> Iterator[VideoWriter]:
     try:
         container = av.open(os.fspath(path), "w")
     except (ValueError, av.error.FFmpegError):
-        raise ValueError("cannot find the format of the video; end its name in .mp4, .mkv or .mov") from None
+        raise ValueError("cannot tell the format of the video; end its name in .mp4, .mkv or .mov") from None
     with container:
         writer = VideoWriter(av, container, fps)
         yield writer

@@ -91,13 +91,13 @@ def test_own_clips_are_judged_by_what_was_fitted_without_their_source(place):
     content = json.loads((place / "mine/fit.json").read_text())
     assert set(content["left_out"]) == {"own", "hit"}  # no rendered one
     assert content["recipe"]["weights"]["recorded"] == 1
-    comparison = content["comparisons"]["Each source of recorded clips, evaluated by a fit without it"]
+    comparison = content["comparisons"]["Recorded clips, each source judged by a fit without it"]
     assert [clip["source"] for clip in comparison["clips"]] == ["own", "garden"]
     wrong, model = content["left_out"], comparison["detectors"]["model"]
     missed, broken = 1 - model["hits"]["count"], [clip["false_alarms"] > 0 for clip in comparison["clips"]]
     assert [wrong["own"], wrong["hit"]] == [broken[0], missed + broken[1]]
     report = (place / "mine/report.txt").read_text()
-    assert "Each source of recorded clips" in report
+    assert "Recorded clips, each source judged by a fit without it" in report
     for name in ("frame difference", "divergence of flow", "Table I, T_sp 0.78"):
         assert report.count(name) >= 2 * 3
 
@@ -287,8 +287,8 @@ def test_own_clips_alone(place, monkeypatch):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (["--clips-only"], "--clips-only is given, but no clips of your own"),
-        (["--clips-weight", "2"], "--clips-weight is given, but no clips of your own"),
+        (["--clips-only"], "--clips-only is given without clips of your own"),
+        (["--clips-weight", "2"], "--clips-weight is given without clips of your own"),
         (["--clips", "own.toml", "--clips-only", "--clips-weight", "2"], "leaves no other clips to weigh against"),
         (["--clips", "own.toml", "--clips-weight", "-1"], "--clips-weight is -1; give a positive number"),
     ],
