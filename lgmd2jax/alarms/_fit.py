@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 _PARENTS = 8  # of a generation
 _REACH = 0.1  # of the first generation, in the unit box; each of the next goes half as far
-_LEFT_OUT = 32  # sources at most, for each of which the choice is made anew without it
+_LEFT_OUT = 32  # sources at most, each of which is left out once
 
 
 def fit(
@@ -65,8 +65,8 @@ def fit(
     - `clips`: those of `load_labels`, or your own by `LabelledClip.of`.
     - `free`: which parameters may change, within which bounds; T_sp is always among them.
     - `key`: of the search's random points. The same key gives the same fit.
-    - `miss`, `false_alarm`: what it costs to miss a window, and to break the silence of a clip, or of each five seconds
-      or so of a long one.
+    - `miss`, `false_alarm`: the cost of a missed window, and of false alarms in a clip, or in each five seconds or so of
+      a long one.
     - `recorded`: what all recorded clips, those that have a source, weigh together, as a multiple of the rendered ones;
       by default each error counts alike, times the weight of its clip.
     - `pixel_points`, `cell_points`, `descend`, `temperatures`, `max_steps`: as for `lgmd2jax.fit`.
@@ -110,8 +110,10 @@ def fit(
     total = pixel_points + generations * children + min(descend, pixel_points) + len(events_of)
     digest = "" if memory is None else fingerprint((starts, generations))
     with Work({} if memory is None else memory, progress, client, digest=digest, total=total) as work:
-        anywhere = starts.screenings(work.do("screening", starts.screen, range(pixel_points), starts.compile_screening))
-        best = {number: screening.best for number, screening in anywhere.items()}
+        screenings = starts.screenings(
+            work.do("screening", starts.screen, range(pixel_points), starts.compile_screening)
+        )
+        best = {number: screening.best for number, screening in screenings.items()}
         for generation in range(generations):
             parents = sorted(best.values(), key=risk)[:_PARENTS]
             task = partial(starts.near, [parent.z for parent in parents], _REACH / 2**generation)
@@ -120,9 +122,9 @@ def fit(
         chosen = sorted(best, key=lambda number: risk(best[number]))[:descend]
         task = partial(starts.descend, {number: best[number] for number in chosen})
         descents = _candidates(work.do("descending", task, chosen, search.compile_descent))
-        # Generations and descents saw all clips: a choice without a source sets out from what was looked at anywhere.
+        # Generations and descents saw all clips: a choice without a source begins with the screened points.
         without = {
-            source: min((screening.best_without[source] for screening in anywhere.values()), key=risk)
+            source: min((screening.best_without[source] for screening in screenings.values()), key=risk)
             for source in events_of
         }
         task = partial(starts.leave_out, without, [_REACH / 2**generation for generation in range(generations)])
@@ -138,9 +140,9 @@ def fit(
         cost=winner.cost,
         margin=winner.margin,
         evaluation=evaluate(fitted, clips),
-        screened=sum(screening.count for screening in anywhere.values()),
-        right=sum(screening.right for screening in anywhere.values()),
-        ranges=_ranges(problem, tuple(anywhere.values())),
+        screened=sum(screening.count for screening in screenings.values()),
+        right=sum(screening.right for screening in screenings.values()),
+        ranges=_ranges(problem, tuple(screenings.values())),
         descended=tuple(
             AlarmDescent(number, best[number].margin, after.margin, after.cost) for number, after in descents.items()
         ),

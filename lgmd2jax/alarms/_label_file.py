@@ -262,7 +262,7 @@ class _Opened(NamedTuple):
         return LabelledClip(**vars(self._labels(film)), frames=film.frames)
 
     def judged(self, model: LGMD2) -> tuple[ClipLabels, Float[np.ndarray, " time"], Drive]:
-        """The labels of the clip, the evidence and what acts on the cell in its frames, which are let go one by one."""
+        """The labels of the clip, the evidence and what acts on the cell in its frames, which are freed one by one."""
         clip = self.clip.without_repeats() if self.drops_duplicates else self.clip
         film, trace, drive = streamed_evidence(model, clip)
         return self._labels(film), trace, drive

@@ -114,7 +114,7 @@ def problem_of(
 ) -> AlarmProblem:
     """The problem of labelled clips.
 
-    **Arguments:** `miss`, `false_alarm`: what it costs to miss a window, and to break the silence of a piece of a clip.
+    **Arguments:** `miss`, `false_alarm`: the cost of a missed window, and of false alarms in a piece of a clip.
     `recorded`: what all errors on recorded clips weigh together, as a multiple of all those on rendered ones.
     """
     parts = [(number, piece) for number, clip in enumerate(clips) for piece in pieces(clip)]

@@ -16,7 +16,7 @@ from lgmd2jax.fitting._search.search import Search
 
 _SLACK = 0.02  # of U': an event so near to T_sp is at risk
 _CLOSER = 3  # looks at cells around the best so far, each half as far as the one before
-_ANYWHERE = 0.2  # how far the first of them goes after a look anywhere, in the unit box
+_ANYWHERE = 0.2  # how far the first of them goes after the screening, in the unit box
 _AFTER_DESCENT = 0.05  # and after a descent
 _MOVED = 0.6  # of the pixels' parameters, by chance
 
@@ -49,11 +49,11 @@ def risk(candidate: Candidate) -> float:
 
 @dataclasses.dataclass(frozen=True)
 class Screening:
-    """What became of a point anywhere.
+    """What the screening of a point found.
 
     - `best`: the candidate at least risk. `best_without`: the same without the events of a source, by its number, among
       cells that were chosen without them too.
-    - `count`, `right`: how many cells were tried anywhere, and how many of them were right on all clips.
+    - `count`, `right`: how many cells were drawn, and how many of them were right on all clips.
     - `ends`: lowest and highest values of these, in the unit box; None where none was right.
     """
 
@@ -95,7 +95,7 @@ class AlarmStarts:
         self._best_of(point, sums_at(self.search.space, point), self._cells(0), self._all)
 
     def screen(self, number: int, stop: Stop) -> Result:
-        """A point of the pixels' parameters, anywhere.
+        """Screen a point of the pixels' parameters.
 
         Its first cells alone tell how many are right: those near the best say nothing of how large the region is.
         """

@@ -30,7 +30,7 @@ class Urgency:
     ```python
     urgency = lgmd.alarms.fit_urgency(model, clips, within_ms=500)
     urgency(model, model(frames, fps), interval)   # a probability for each frame
-    urgency.save("mine/model.json")                # hard.py then tells it in every step
+    urgency.save("mine/model.json")                # hard.py then computes it in every step
     ```
 
     It holds for scenes in which contact is as frequent as in the clips that it was fitted on.
@@ -38,7 +38,7 @@ class Urgency:
     - `within_ms`: the time asked for. `tau_ms`: over which the level is averaged.
     - `predicted`, `observed`: a calibration table, rising and interpolated: what the logistic function says, and how
       often contact followed; empty for none.
-    - `intercept`, and the weights of `smp_adapted`: U' - .5; `level`: the average of U of late, less .5; `rise`: U less
+    - `intercept`, and the weights of `smp_adapted`: U' - .5; `level`: the average of recent U, less .5; `rise`: U less
       that average; `inhibition`: Fbar/(Fbar + T), T being T_ffi or A_ffi.
     """
 
