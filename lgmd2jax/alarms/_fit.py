@@ -65,8 +65,8 @@ def fit(
     - `clips`: those of `load_labels`, or your own by `LabelledClip.of`.
     - `free`: which parameters may change, within which bounds; T_sp is always among them.
     - `key`: of the search's random points. The same key gives the same fit.
-    - `miss`, `false_alarm`: the cost of a missed window, and of false alarms in a clip, or in each five seconds or so of
-      a long one.
+    - `miss`, `false_alarm`: the cost of a missed window, and of false alarms in a clip, or in each five seconds or so
+      of a long one.
     - `recorded`: what all recorded clips, those that have a source, weigh together, as a multiple of the rendered ones;
       by default each error counts alike, times the weight of its clip.
     - `pixel_points`, `cell_points`, `descend`, `temperatures`, `max_steps`: as for `lgmd2jax.fit`.

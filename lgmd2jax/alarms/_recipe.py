@@ -26,7 +26,7 @@ from lgmd2jax.fitting._sections import free_of, model_of
 class AlarmRecipe:
     """A fit of alarms to be made: the model, what is free, and the file of labelled clips.
 
-    - `weights`: what it costs to miss a window, and to break a silence; what recorded clips weigh together.
+    - `weights`: the cost of a missed window and of a false alarm; what recorded clips weigh together.
     - `validation`: which clips to render, with a seed that the fit does not use, for the score of the report.
     - `table`: the file's content.
     """
