@@ -287,7 +287,7 @@ class _Opened(NamedTuple):
         if (missing := contact_ms - before[0] - film.time[-1]) > 0:
             raise ValueError(
                 f"{self.name}: before_ms is {before!r}, but the clip ends {before[0] + missing:.0f} ms before contact; "
-                "give a longer first time, or an earlier contact"
+                "give a longer time, or an earlier contact"
             )
         first, last = (film.frame_at(contact_ms - lead) for lead in before)
         return first, last
