@@ -180,8 +180,8 @@ def test_rows_in_any_order_give_the_same_trials(tmp_path):
 
 def test_files_that_are_none_of_their_format_are_refused(tmp_path):
     for name, words in {
-        "a.mat": "no Matlab file",
-        "a.xlsx": "no Excel workbook",
+        "a.mat": "not a Matlab file",
+        "a.xlsx": "not an Excel workbook",
         "a.nwb": "no NWB",
         "a.smr": "Neo",
     }.items():
