@@ -182,7 +182,7 @@ def test_files_that_are_none_of_their_format_are_refused(tmp_path):
     for name, words in {
         "a.mat": "not a Matlab file",
         "a.xlsx": "not an Excel workbook",
-        "a.nwb": "no NWB",
+        "a.nwb": "not an NWB",
         "a.smr": "Neo",
     }.items():
         (tmp_path / name).write_bytes(b"not what it is called\x00" * 40)
