@@ -192,7 +192,7 @@ def test_files_that_are_none_of_their_format_are_refused(tmp_path):
 
 def test_a_matlab_file_of_something_else_is_refused(tmp_path):
     for name, content, words in (
-        ("picture", {"image": np.zeros((3, 4)), "name": "x"}, "named like spike times|no trials"),
+        ("picture", {"image": np.zeros((3, 4)), "name": "x"}, "named like spike times|not trials"),
         ("lengths", {"spikes_s": np.zeros(3), "trial": np.zeros(5)}, r"spikes_s \(3\), trial \(5\)"),
         ("unit", {"spikes": np.array([-0.1, 0.2]), "trial": np.array([1, 2])}, "'spikes', -0.1 to 0.2, have no unit"),
         ("across", {"spikes_ms": MATRIX[:, :2].T, "lv_ms": [20.0, 20.0]}, "'spikes_ms' do not rise; give a row for"),
