@@ -214,7 +214,7 @@ class AbstractNetwork(eqx.Module):
         """
         frame = _as_pixels(frame, "frame", "(row, col)", rank=2)
         if frame.shape != state.shape:
-            raise ValueError(f"frame has shape {frame.shape}, the state {state.shape}; start anew with init(frame)")
+            raise ValueError(f"frame has shape {frame.shape}, the state {state.shape}; start again with init(frame)")
         lasts = self._interval(fps, interval, ())
         state, response = _advance(self, state, frame, lasts, record)
         return state, self._checked(response, lasts, check)
