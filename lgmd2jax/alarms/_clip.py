@@ -163,4 +163,4 @@ def check_stretches(name: str, last: float | int, kinds: Mapping[str, Sequence[S
     labels.sort()
     for (_, end, kind), (first, _, other) in itertools.pairwise(labels):
         if first <= end:
-            raise ValueError(f"{name}: {kind} up to {end} and {other} from {first} overlap; let each frame be in one")
+            raise ValueError(f"{name}: {kind} up to {end} and {other} from {first} overlap; shorten one of them")

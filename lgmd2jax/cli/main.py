@@ -84,7 +84,7 @@ class _Parser(argparse.ArgumentParser):
             "--no-compilation-cache",
             action="store_true",
             default=argparse.SUPPRESS,
-            help="neither read nor keep compiled programs, which let a second start begin sooner",
+            help="neither read nor keep compiled programs, which make later starts faster",
         )
 
     def error(self, message):
@@ -101,11 +101,12 @@ def main(arguments: list[str] | None = None) -> int:
     whole = arguments is None
     options = argparse.Namespace(traceback=False, no_compilation_cache=False)
     try:
-        with ended_by_ctrl_c() if whole else contextlib.nullcontext():
-            _parser().parse_args(arguments, options)
-            command = _loaded(options.command, keep=not options.no_compilation_cache)
-        with _remarks_as_lines(), interrupted_by_ctrl_c() if whole else contextlib.nullcontext():
-            command.run(options)
+        with _remarks_as_lines():
+            with ended_by_ctrl_c() if whole else contextlib.nullcontext():
+                _parser().parse_args(arguments, options)
+                command = _loaded(options.command, keep=not options.no_compilation_cache)
+            with interrupted_by_ctrl_c() if whole else contextlib.nullcontext():
+                command.run(options)
     except (Exception, KeyboardInterrupt) as error:
         if options.traceback:
             traceback.print_exception(error)
