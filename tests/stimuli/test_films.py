@@ -69,9 +69,7 @@ def test_a_ray_sees_the_mean_of_its_footprint():
     far = dataclasses.replace(film.scene.far, contrast=np.asarray(0.1, np.float32), grain=np.asarray(0.3, np.float32))
     nothing = dataclasses.replace(film.scene.ground, contrast=np.asarray(0, np.float32))
     scene = dataclasses.replace(film.scene, far=far, ground=nothing)
-    fine_eye = dataclasses.replace(
-        EYE, rows=8 * EYE.rows, cols=8 * EYE.cols, degrees_per_pixel=EYE.degrees_per_pixel / 8
-    )
+    fine_eye = dataclasses.replace(EYE, rows=80, cols=144, degrees_per_pixel=0.5)
     above, fine = (draw(eye, scene, film.motion)[0][: eye.rows // 2] for eye in (EYE, fine_eye))
     mean = fine.reshape(len(above), 8, above.shape[1], 8).mean(axis=(1, 3))
     assert np.corrcoef(above.ravel(), mean.ravel())[0, 1] > 0.9
