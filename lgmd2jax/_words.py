@@ -29,7 +29,8 @@ def warn_renamed(old: str, new: str) -> None:
 
 def warn_unfinished(sentence: str, stacklevel: int) -> None:
     """Warn that results are not whole yet, and say how to go on. `stacklevel`: as of `warnings.warn`, from here."""
-    warnings.warn(f"{sentence}; lgmd2jax fit ... --resume goes on with it", UnfinishedWarning, stacklevel=stacklevel)
+    said = f"{sentence}; go on by lgmd2jax fit ... --resume, or fit anew"
+    warnings.warn(said, UnfinishedWarning, stacklevel=stacklevel)
 
 
 def is_refusal(error: BaseException) -> bool:

@@ -85,6 +85,8 @@ def test_a_curve_is_read_however_it_was_written(write, text, settings):
         ("t;rate\n0,5;1,5\n", {}, "'0,5' in row 1, which is no finite number; give decimal = ','"),
         ("t;rate\n0;1.500\n", {"decimal": ","}, "'1.500' in row 1, which is no finite number"),
         ("t,rate\n0,1_000\n", {}, "'1_000' in row 1, which is no finite number"),
+        ("t,rate\n0,1\n", {"column": 1}, "column is 1; give a name of the header, or a list of them"),
+        ("t,rate\n0,1\n", {"column": []}, r"column is \[\]; give a name of the header"),
         ("t,rate\n0,1\n", {"separator": ";"}, "there is one column, 't,rate', separated by ';'; give another"),
         ("t,rate\n0,1\n", {"separator": ";;"}, "separator is ';;' and decimal '.'; give one character each"),
         ("t,rate\n0,1\n", {"separator": ",", "decimal": ","}, "separator is ',' and decimal ','"),
