@@ -193,7 +193,7 @@ def _kernel(kernel_ms: Any) -> float | int:
     kernel_ms = duration(kernel_ms, "kernel_ms")
     if not (isinstance(kernel_ms, (int, float, np.number)) and math.isfinite(kernel_ms) and kernel_ms > 0):
         raise ValueError(f"kernel_ms is {kernel_ms!r} ms; give a positive number")
-    return kernel_ms
+    return float(kernel_ms)
 
 
 def _nested(trials: Any) -> Any:

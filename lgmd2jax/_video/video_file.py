@@ -13,7 +13,7 @@ from lgmd2jax._video.video_pixels import Scaler, VideoPixels
 
 _NO_TIME_STAMPS = 0x80  # AVFMT_NOTIMESTAMPS: what ffmpeg says of such a file's rate is its own default of 25
 _COVER = 0x400  # AV_DISPOSITION_ATTACHED_PIC: the picture of a sound file
-_HDR = {16: "PQ", 18: "HLG"}  # by ffmpeg's numbers of transfer curves (AVCOL_TRC)
+_HDR: dict[int | None, str] = {16: "PQ", 18: "HLG"}  # by ffmpeg's numbers of transfer curves (AVCOL_TRC)
 _PEEK = 300  # packets by which the usual interval is known
 
 

@@ -105,6 +105,7 @@ def main(arguments: list[str] | None = None) -> int:
         sys.stdout.reconfigure(errors="backslashreplace")  # names that the terminal cannot show, as standard error does
     options = argparse.Namespace(traceback=False, no_compilation_cache=False)
     try:
+        _check_names(sys.argv[1:] if arguments is None else arguments)
         with ended_by_ctrl_c() if whole else contextlib.nullcontext():
             _parser().parse_args(arguments, options)
             command = _loaded(options.command, keep=not options.no_compilation_cache)
@@ -121,6 +122,13 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"lgmd2jax: {' '.join(message.split())}", file=sys.stderr)
         return status
     return 0
+
+
+def _check_names(words: list[str]) -> None:
+    """Raise `ValueError` for a word that no report and no figure can show: the name of a file that is not in UTF-8."""
+    for word in words:
+        if any("\udc80" <= letter <= "\udcff" for letter in word):
+            raise ValueError(f"{word!a} is no name in UTF-8, in which results are written; rename it")
 
 
 @contextlib.contextmanager

@@ -187,12 +187,18 @@ def test_a_reader_that_has_gone_is_no_error(tmp_path):
 
 
 def test_a_name_that_the_terminal_cannot_show_is_no_error(tmp_path):
-    name = "rob\xf3t \udcff"
-    environment, command = os.environ | {"PYTHONIOENCODING": "ascii"}, [sys.executable, "-c", exported(name)]
+    environment, command = os.environ | {"PYTHONIOENCODING": "ascii"}, [sys.executable, "-c", exported("rob\xf3t")]
     process = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
     assert (process.returncode, process.stderr) == (0, "")
-    assert r"wrote rob\xf3t \udcff/model.json" in process.stdout
-    assert (tmp_path / name / "model.json").is_file()
+    assert r"wrote rob\xf3t/model.json" in process.stdout
+    assert (tmp_path / "rob\xf3t/model.json").is_file()
+
+
+def test_a_name_that_is_not_in_utf_8_is_refused(tmp_path, capsys):
+    """As from an old disk: neither a report nor a figure can hold it."""
+    assert main(["export", "preset:lgmd2", "--python", str(tmp_path / "rob\udcf3t")]) == 1
+    assert "rob\\udcf3t' is no name in UTF-8, in which results are written; rename it" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
 
 
 def test_the_library_itself_is_told_from_what_it_calls(tmp_path, capsys):
