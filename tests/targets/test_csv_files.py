@@ -85,8 +85,6 @@ def test_a_curve_is_read_however_it_was_written(write, text, settings):
         ("t;rate\n0,5;1,5\n", {}, "'0,5' in row 1, which is no finite number; give decimal = ','"),
         ("t;rate\n0;1.500\n", {"decimal": ","}, "'1.500' in row 1, which is no finite number"),
         ("t,rate\n0,1_000\n", {}, "'1_000' in row 1, which is no finite number"),
-        ("t,rate\n0,1\n", {"column": 1}, "column is 1; give a name of the header, or a list of them"),
-        ("t,rate\n0,1\n", {"column": []}, r"column is \[\]; give a name of the header"),
         ("t,rate\n0,1\n", {"separator": ";"}, "there is one column, 't,rate', separated by ';'; give another"),
         ("t,rate\n0,1\n", {"separator": ";;"}, "separator is ';;' and decimal '.'; give one character each"),
         ("t,rate\n0,1\n", {"separator": ",", "decimal": ","}, "separator is ',' and decimal ','"),
@@ -110,6 +108,12 @@ def test_what_could_be_read_wrongly_is_refused(write, text, settings, message):
         lgmd.read_target(write(text), **{"column": "rate", "channel": "rate", **settings})
     assert str(caught.value).startswith(str(write(text)))
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("column", [1, [], ["rate", 2], None])
+def test_a_column_goes_by_its_name(write, untyped, column):
+    with pytest.raises(ValueError, match=r"column is .*; give a name of the header, or a list of them"):
+        lgmd.read_target(write("t,rate\n0,1\n"), column=column, channel="rate")
 
 
 def test_the_unit_in_the_name_of_a_column_counts(write):
