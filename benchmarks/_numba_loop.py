@@ -33,7 +33,7 @@ def _advance(r, frame, before, on, off, d_on, d_off, sigma1, a):
     """Eqs 1-4 and 13 for a row. Returns the sum of abs(P)."""
     change = _ZERO
     for c in range(frame.shape[1]):
-        p = frame[r, c] - before[r, c]
+        p = np.float32(frame[r, c]) - np.float32(before[r, c])
         change += abs(p)
         on[r, c] = max(p, _ZERO) + sigma1 * on[r, c]
         off[r, c] = max(-p, _ZERO) + sigma1 * off[r, c]

@@ -32,7 +32,7 @@ class _Pixels:
 
     def step(self, frame):
         v, p, s, s_on, s_off = self.v, self.p, self.s, self.s_on, self.s_off
-        cv2.subtract(frame, self.before, dst=p)
+        cv2.subtract(frame, self.before, dst=p, dtype=cv2.CV_32F)
         self.before = frame
         cv2.threshold(p, 0, 0, cv2.THRESH_TOZERO, dst=self.wave)
         cv2.scaleAdd(self.on, v.sigma1, self.wave, dst=self.on)

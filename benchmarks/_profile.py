@@ -24,8 +24,8 @@ def up_to(last: str) -> Callable:
     kept = PARTS[: PARTS.index(last) + 1]
 
     def loop(v: lgmd.Parameters, frames):
-        v = jax.tree.map(lambda leaf: leaf.astype(frames.dtype), v)
-        a = coefficient(v.tau1, jnp.asarray(1000 / FPS, frames.dtype), "backward_euler")
+        v = jax.tree.map(lambda leaf: leaf.astype(jnp.float32), v)
+        a = coefficient(v.tau1, jnp.float32(1000 / FPS), "backward_euler")
 
         def of_tile(first, height):
             def step(maps, t):
@@ -46,7 +46,7 @@ def up_to(last: str) -> Callable:
                     mp = pool(s)
                 return (p, on, off, d_on, d_off, s), (f, mp)
 
-            zero = jnp.zeros((height + 2, frames.shape[2] + 2), frames.dtype)
+            zero = jnp.zeros((height + 2, frames.shape[2] + 2), jnp.float32)
             return jax.lax.scan(step, (*(zero,) * 5, inside(zero)), jnp.arange(len(frames)))
 
         return over_tiles(of_tile, frames)

@@ -4,8 +4,8 @@ import dataclasses
 
 from benchmarks._task import Size
 
-# A pixel of a frame, in one pass: read it, the one before it and the four maps, write the four maps; all float32.
-BYTES = 4 * (1 + 1 + 4 + 4)
+# A pixel of a frame, in one pass: read it and the one before it, uint8, and the four maps, write these; all float32.
+BYTES = 1 + 1 + 4 * (4 + 4)
 # Additions, multiplications, maxima and comparisons by equation; a lateral spread is separable but for its centre.
 FLOPS = sum(
     {

@@ -4,7 +4,7 @@ import dataclasses
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import UInt8
 
 import lgmd2jax as lgmd
 
@@ -32,8 +32,8 @@ Values = NamedTuple("Values", [(name, np.float32) for name in PARAMETERS])
 VALUES = Values(*map(np.float32, PARAMETERS.values()))
 
 
-def film(size: Size, time: int, seed: int = 0) -> Float[np.ndarray, "time row col"]:
-    """A dark disc that grows over textured ground, in float32 grey levels, every pixel with the noise of a camera.
+def film(size: Size, time: int, seed: int = 0) -> UInt8[np.ndarray, "time row col"]:
+    """A dark disc that grows over textured ground, as a camera delivers it, every pixel with its noise.
 
     Without noise the maps of pixels at rest decay to denormal numbers, and their slowness would be what is measured.
     """
@@ -43,4 +43,4 @@ def film(size: Size, time: int, seed: int = 0) -> Float[np.ndarray, "time row co
     radius = 0.1 * size.rows / (1.1 - np.arange(time) / time)
     ground, disc = random.uniform(150, 230, size), random.uniform(10, 40, size)
     frames = np.where(distance < radius[:, None, None], disc, ground) + random.normal(0, 2, (time, *size))
-    return frames.astype(np.float32)
+    return np.round(np.clip(frames, 0, 255)).astype(np.uint8)

@@ -32,7 +32,7 @@ def respond(frames, parameters, fps, threads: int | None = None) -> Response:
         sfa=lambda rise: rise <= v["T_sfa"],
         floor=lambda u: torch.clamp(u, min=0.5),
     )
-    mp, ffi, smp, adapted = _clip(torch.from_numpy(frames), v, 1000 / fps, hard)
+    mp, ffi, smp, adapted = _clip(torch.from_numpy(frames).float(), v, 1000 / fps, hard)
     spikes = (adapted >= v["T_sp"]).int() + (adapted > v["T_sp"] + v["sigma_sp"]).int()
     collision = pad(spikes, (4, 0)).unfold(0, 5, 1).sum(1) >= v["N_sp"]
     return Response(*(channel.numpy() for channel in (mp, ffi, smp, adapted, spikes, collision)))
@@ -48,7 +48,7 @@ def gradient(frames, parameters, fps, threads: int | None = None) -> dict[str, f
         sfa=lambda rise: torch.sigmoid((v["T_sfa"] - rise) / v["T_sfa"].abs()),
         floor=lambda u: 0.5 + 0.002 * softplus((u - 0.5) / 0.002),
     )
-    _clip(torch.from_numpy(frames), v, 1000 / fps, soft)[-1].sum().backward()
+    _clip(torch.from_numpy(frames).float(), v, 1000 / fps, soft)[-1].sum().backward()
     return {name: float(value.grad) for name, value in v.items() if value.grad is not None}
 
 

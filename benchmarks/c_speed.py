@@ -30,12 +30,12 @@ if platform.machine() == "x86_64":
 
 def programs(size: Size):
     """What each program is called by, and the call."""
-    frames = np.clip(np.round(film(size, FRAMES)), 0, 255).astype(np.float32)
-    grey, interval = frames.astype(np.uint8), np.full(FRAMES, 1000 / FPS)
+    frames = film(size, FRAMES)
+    interval = np.full(FRAMES, 1000 / FPS)
     model = lgmd.LGMD2(lgmd.Parameters(**PARAMETERS), eye=lgmd.Eye(*size, 1.0, FPS))
     in_c = compiled(sources(model, document(model)["test_vector"]), *size, FLAGS)
     in_numpy, in_jax = HardLGMD2(PARAMETERS, FPS), _library.forward(lgmd.Hard())
-    calls = {"C": lambda: in_c(grey, interval), "hard.py": lambda: in_numpy(frames), "JAX": lambda: in_jax(frames)}
+    calls = {"C": lambda: in_c(frames, interval), "hard.py": lambda: in_numpy(frames), "JAX": lambda: in_jax(frames)}
     if loop := _peers.find("_numba_loop"):
         calls["numba loop"] = lambda: loop.respond(frames, VALUES, FPS)
     expected = in_numpy(frames)

@@ -62,7 +62,7 @@ WEIGHT_IN_NOISE, WEIGHT_ELSEWHERE = 0.5, 0.2  # of the loom in noise, and of wha
 HALF = 0.48  # of silence's RMSE, where a response is asked
 QUIET, TOO_LOUD = 0.028, 0.03  # of the potential, where quiet is asked; beyond, what counts as a whole miss
 
-FROM_SOBOL, FROM_KNOWN = 0.25, 0.04  # of the unit box: the spread of the first candidates
+FROM_SOBOL, FROM_KNOWN = 0.1, 0.04  # of the unit box: the spread of the first candidates
 CELLS = 64  # variants of a candidate
 
 

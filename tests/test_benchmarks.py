@@ -132,7 +132,8 @@ def test_the_largest_share_within_a_window():
 def test_the_share_of_a_sentence_is_that_of_its_samples_within_the_band():
     """Two stimuli, one of them shorter; one sentence on both, the other on frames 4 to 8 of the second alone."""
     stimuli = [
-        lgmd.stimuli.Stimulus(jnp.asarray(FRAMES[:count]), FPS, jnp.arange(count) * 1000 / FPS) for count in (30, 20)
+        lgmd.stimuli.Stimulus(jnp.asarray(FRAMES[:count], dtype=float), FPS, jnp.arange(count) * 1000 / FPS)
+        for count in (30, 20)
     ]
     model = lgmd.LGMD2(lgmd.Parameters(**VALUES._asdict()), eye=lgmd.Eye(25, 31, 1.0, FPS))
     curves = [HardLGMD2(PARAMETERS, FPS)(FRAMES[:count]).smp for count in (30, 20)]

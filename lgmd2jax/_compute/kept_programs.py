@@ -4,7 +4,9 @@ import contextlib
 import hashlib
 import os
 import platform
+import re
 import warnings
+from collections.abc import Callable
 from importlib.metadata import version
 from pathlib import Path
 
@@ -13,14 +15,15 @@ from lgmd2jax._files.cache import cache_folder
 LIMIT = 256 << 20  # bytes; the programs of all commands take some 20 MB
 _PLACE = "LGMD2JAX_PROGRAMS"  # tells the folder to processes that a command starts
 _OFF = {"0", "f", "false", "n", "no", "off"}
-_UNSAID = [f"Error {doing} persistent compilation cache entry" for doing in ("reading", "writing")]
+_UNREAD, _UNWRITTEN = (f"Error {doing} persistent compilation cache entry" for doing in ("reading", "writing"))
 
 
 def keep_programs() -> None:
     """Before JAX is imported: ask it to keep what it compiles, unless its user has decided on that.
 
     The user decides by JAX's own variables, `JAX_COMPILATION_CACHE_DIR` and `JAX_ENABLE_COMPILATION_CACHE`. Processes
-    that this one starts share the folder. A program that cannot be read or written is compiled, and nothing is said.
+    that this one starts share the folder. A program that cannot be read or written is compiled, and nothing is said; a
+    spoilt one is written anew.
     """
     if os.environ.get("JAX_ENABLE_COMPILATION_CACHE", "true").lower() in _OFF:
         return
@@ -39,9 +42,10 @@ def keep_programs() -> None:
     # A command compiles dozens of small programs too, each of which takes longer to compile than to read.
     os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0")
     os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_ENTRY_SIZE_BYTES", "-1")
-    for message in _UNSAID:
-        warnings.filterwarnings("ignore", message, UserWarning)
-    quiet = [f"ignore:{message}:UserWarning" for message in _UNSAID]  # for processes that this one starts
+    warnings.filterwarnings("always", _UNREAD, UserWarning)
+    warnings.filterwarnings("ignore", _UNWRITTEN, UserWarning)
+    warnings.showwarning = _removing_unread(folder, warnings.showwarning)
+    quiet = [f"ignore:{message}:UserWarning" for message in (_UNREAD, _UNWRITTEN)]  # for processes that this one starts
     os.environ["PYTHONWARNINGS"] = ",".join([*filter(None, [os.environ.get("PYTHONWARNINGS")]), *quiet])
 
 
@@ -62,6 +66,21 @@ def processor() -> str:
     with contextlib.suppress(OSError), open("/proc/cpuinfo", encoding="utf-8") as file:
         told = next((line for line in file if line.startswith(("flags", "Features"))), "")
     return hashlib.sha256(f"{platform.machine()} {told or platform.processor()}".encode()).hexdigest()[:12]
+
+
+def _removing_unread(folder: Path, show: Callable[..., None]) -> Callable[..., None]:
+    """Shows warnings; of a program that JAX cannot read, which it would never replace, it removes the file instead."""
+
+    def shown(message, *place, **rest):
+        unread = re.match(f"{_UNREAD} for '(.*?)'", str(message))
+        if unread is None:
+            show(message, *place, **rest)
+            return
+        for path in folder.glob(f"{unread[1]}-*-cache"):  # JAX names the function alone, not which of its programs
+            with contextlib.suppress(OSError):  # a folder in its place
+                path.unlink(missing_ok=True)
+
+    return shown
 
 
 def _drop_oldest(folder: Path) -> None:

@@ -1,9 +1,8 @@
 """A model by name: a file, a shipped fit or a preset, with single parameters set."""
 
+import dataclasses
 from collections.abc import Iterable
 from pathlib import Path
-
-import equinox as eqx
 
 from lgmd2jax._files.atomic import read_json
 from lgmd2jax._files.catalogue import locate
@@ -50,14 +49,13 @@ def with_parameters(model: AnyNetwork, settings: Iterable[str]) -> AnyNetwork:
     **Raises:** `ValueError` for what is not written so, for unknown names, and for values out of their domain.
     """
     known = symbols(type(model.parameters))
+    values: dict[str, float] = {}
     for setting in settings:
         name, _, text = setting.partition("=")
         if name not in known:
             raise ValueError(f"parameter is {name!r}; choose {nearest(name, known)}")
         try:
-            value = float(text)
+            values[name] = float(text)
         except ValueError:
             raise ValueError(f"{setting!r} gives no number; write {name}=VALUE") from None
-        parameters = {each: getattr(model.parameters, each) for each in known} | {name: value}
-        model = eqx.tree_at(lambda model: model.parameters, model, type(model.parameters)(**parameters))
-    return model
+    return dataclasses.replace(model, parameters=dataclasses.replace(model.parameters, **values))

@@ -13,7 +13,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float, Real
+from jaxtyping import Array, Bool, Real
 
 from lgmd2jax._channels import RESPONSE, Description
 from lgmd2jax._compute.traced_once import traced_once
@@ -155,8 +155,9 @@ class AbstractNetwork(eqx.Module):
 
         **Arguments:**
 
-        - `frames`: grey levels 0..255, at least 2 frames of at least 3 x 3 pixels. Pixels compute in this dtype
-          (integers: in the parameters'), the cell in the promotion of it with the parameters'.
+        - `frames`: grey levels 0..255, at least 2 frames of at least 3 x 3 pixels. Pixels compute in this dtype, the
+          cell in the promotion of it with the parameters'. Integers, such as a camera's uint8, are read as they are,
+          which is fastest; pixels then compute in the dtype of the parameters.
         - `fps`: frames per second, by default the eye's.
         - `interval`: ms since the frame before, for each frame, instead of `fps`, where the clock is uneven.
         - `record`: a function of the network's layers (`Layers` or `YueRindLayers`) that returns what to keep of every
@@ -165,7 +166,7 @@ class AbstractNetwork(eqx.Module):
 
         **Raises:** `ValueError` for a wrong shape, and for concrete values that are not finite or out of their domain.
         """
-        frames = _as_pixels(frames, self.parameters.dtype, "frames", "(time, row, col)", rank=3)
+        frames = _as_pixels(frames, "frames", "(time, row, col)", rank=3)
         if len(frames) < 2:
             count = "one frame" if len(frames) else "0 frames"
             raise ValueError(f"frames holds {count}; the network sees changes, so give at least 2")
@@ -184,10 +185,11 @@ class AbstractNetwork(eqx.Module):
 
         **Raises:** `ValueError` for a wrong shape.
         """
-        frame = _as_pixels(frame, self.parameters.dtype, "frame", "(row, col)", rank=2)
+        frame = _as_pixels(frame, "frame", "(row, col)", rank=2)
         if is_concrete(frame):
             _warn_of_levels(np.asarray(frame))
         rows, cols = frame.shape
+        frame = frame.astype(self._dtype_for(frame))
         return State(_in(self.pixels, frame.dtype).rest(frame), self._cell_for(frame).rest(), (rows, cols))
 
     def step(
@@ -212,7 +214,7 @@ class AbstractNetwork(eqx.Module):
 
         **Raises:** `ValueError` as for a call, and for a frame of another size than the state's.
         """
-        frame = _as_pixels(frame, self.parameters.dtype, "frame", "(row, col)", rank=2)
+        frame = _as_pixels(frame, "frame", "(row, col)", rank=2)
         if not isinstance(state, State):
             raise ValueError(f"state is {state!r:.40}; give the one that init or the last step returned")
         if frame.shape != state.shape:
@@ -222,13 +224,14 @@ class AbstractNetwork(eqx.Module):
         return state, self._checked(response, lasts, check)
 
     def sums(
-        self, frames: Float[Array, "time row col"], interval: Interval, record: Record | None = None
+        self, frames: Real[Array, "time row col"], interval: Interval, record: Record | None = None
     ) -> tuple[Sums, Any]:
         """The pixel stage over a clip: MP(t), F(t) and what was recorded.
 
         **Arguments:** `interval` in ms, one or one a frame.
         """
-        return _in(self.pixels, frames.dtype).over(frames, interval.astype(frames.dtype), record)
+        dtype = self._dtype_for(frames)
+        return _in(self.pixels, dtype).over(frames, interval.astype(dtype), record)
 
     def respond(self, sums: Sums, interval: Interval, pixels: int) -> Response:
         """The cell over a clip, from MP(t) and F(t).
@@ -237,6 +240,10 @@ class AbstractNetwork(eqx.Module):
         """
         cell = self._cell_for(sums.mp)
         return _nan_as(sums, cell.over(*cast((sums, interval), cell.parameters.dtype), pixels))
+
+    def _dtype_for(self, frames: Array) -> jnp.dtype:
+        """In which pixels compute: that of the frames, for integers that of the parameters."""
+        return frames.dtype if jnp.issubdtype(frames.dtype, jnp.floating) else self.parameters.dtype
 
     def _cell_for(self, pixels: Array) -> AbstractCell:
         """The cell in its own precision."""
@@ -308,6 +315,7 @@ def _respond(network: AbstractNetwork, frames, interval, record) -> Response:
 @traced_once
 def _advance(network: AbstractNetwork, state: State, frame, interval, record) -> tuple[State, Response]:
     network, interval = _opaque((network, interval))
+    frame = frame.astype(network._dtype_for(frame))
     pixels, cell = _in(network.pixels, frame.dtype), network._cell_for(frame)
     rest = jax.eval_shape(lambda: (pixels.rest(frame), cell.rest()))
     if _form(rest) != _form((state.pixels, state.cell)):
@@ -347,8 +355,8 @@ def _opaque(tree):
     return eqx.combine(jax.tree.map(jax.lax.optimization_barrier, arrays), rest)
 
 
-def _as_pixels(frames, dtype, name: str, shape: str, rank: int) -> Array:
-    """Frames in the dtype in which pixels compute, `dtype` for integers, their shape checked."""
+def _as_pixels(frames, name: str, shape: str, rank: int) -> Array:
+    """Frames as an array of JAX's, their shape and dtype checked."""
     if isinstance(frames, np.ma.MaskedArray):
         raise ValueError(f"{name} is masked; fill what is masked with a grey level first: {name}.filled(128)")
     if isinstance(frames, np.ndarray):
@@ -362,9 +370,7 @@ def _as_pixels(frames, dtype, name: str, shape: str, rank: int) -> Array:
         raise ValueError(f"{name} has shape {frames.shape}; give grey levels as {shape}")
     if min(frames.shape[-2:]) < 3:
         raise ValueError(f"{name} has shape {frames.shape}; the lateral spread needs at least 3 rows and 3 columns")
-    if jnp.issubdtype(frames.dtype, jnp.integer):
-        return frames.astype(dtype)
-    if frames.dtype not in (jnp.float32, jnp.float64):
+    if not jnp.issubdtype(frames.dtype, jnp.integer) and frames.dtype not in (jnp.float32, jnp.float64):
         raise ValueError(f"{name} has dtype {frames.dtype}; give integers, float32 or float64")
     return frames
 

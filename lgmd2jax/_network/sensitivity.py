@@ -18,7 +18,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Real
 
 from lgmd2jax._network.maps import Bordered, inside, pool
 from lgmd2jax._network.medulla import lateral
@@ -31,7 +31,7 @@ from lgmd2jax._types import Map, Scalar
 Rows = dict[str, Array | None]  # the derivative by each parameter, None for no influence
 
 
-def exact_sums(pixels: PixelParts, frames: Float[Array, "time row col"], interval: Interval) -> Sums:
+def exact_sums(pixels: PixelParts, frames: Real[Array, "time row col"], interval: Interval) -> Sums:
     """MP(t) and F(t) over a clip.
 
     `jax.grad`, `jax.jacfwd`, `jax.linearize` and all that builds on them use the sensitivities without knowing: the
@@ -130,7 +130,7 @@ def _scan(pixels: PixelParts, frames, interval, names: tuple[str, ...], first, h
         f_rows: Rows = {name: of_f for name, (_, _, of_f) in every.items()}
         return _Carry(traces, maps, border, padded), (Sums(mp, f), (mp_rows, f_rows))
 
-    rest = pixels.traces_at_rest(frames[0, :height])
+    rest = pixels.traces_at_rest(frames[0, :height].astype(interval.dtype))
     maps = {name: _maps_at_rest(pixels, name, rest, interval) for name in names}
     start = _Carry(rest, maps, rest.on, (jnp.pad(rest.on, 1),) * 2 if names else ())
     return jax.lax.scan(step, start, jnp.arange(len(frames)))[1]

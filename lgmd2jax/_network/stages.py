@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Real
 
 from lgmd2jax._types import Map, Scalar
 
@@ -82,26 +82,26 @@ class AbstractPixels(eqx.Module):
         """
 
     def over(
-        self, frames: Float[Array, "time row col"], interval: Interval, record: Record | None = None
+        self, frames: Real[Array, "time row col"], interval: Interval, record: Record | None = None
     ) -> tuple[Sums, Any]:
         """The sums over a clip, and what was recorded.
 
-        **Arguments:** `interval` in ms, one or one a frame.
+        **Arguments:** `frames` of integers too; `interval` in ms, one or one a frame, in the dtype of the parameters.
         """
         return self.plain(frames, interval, record)
 
     def plain(
-        self, frames: Float[Array, "time row col"], interval: Interval, record: Record | None = None
+        self, frames: Real[Array, "time row col"], interval: Interval, record: Record | None = None
     ) -> tuple[Sums, Any]:
         """The same by `step`, frame by frame, as JAX derives it."""
 
         def step(state, moment):
             frame, own = moment
-            state, sums, layers = self.step(state, frame, interval if own is None else own)
+            state, sums, layers = self.step(state, frame.astype(interval.dtype), interval if own is None else own)
             return state, (sums, None if record is None else record(layers))
 
         own = interval if interval.ndim else None
-        return jax.lax.scan(step, self.rest(frames[0]), (frames, own))[1]
+        return jax.lax.scan(step, self.rest(frames[0].astype(interval.dtype)), (frames, own))[1]
 
 
 class AbstractCell(eqx.Module):

@@ -10,7 +10,7 @@ from typing import TypeVar
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Int, Real
 
 from lgmd2jax._network.maps import Bordered, Row, bordered_onto
 from lgmd2jax._types import Map
@@ -19,7 +19,7 @@ from lgmd2jax._types import Map
 _BYTES = 2**16
 _ROWS = 16  # of a tile of large frames, however wide; each tile computes two rows beside its own
 
-Frames = Float[Array, "time row col"]
+Frames = Real[Array, "time row col"]
 OfTile = TypeVar("OfTile")
 
 
@@ -45,7 +45,7 @@ def tile_height(rows: int, row_bytes: int) -> int:
 def change(frames: Frames, t: Int[Array, ""], first: int | Int[Array, ""], onto: Bordered) -> Bordered:
     """L(t) - L(t-1) of a tile, the rows of the field from `first` on, with what lies around it.
 
-    The first frame is what was there before it. Frames are read where they lie.
+    The first frame is what was there before it. Frames are read where they lie; integers stay so until here.
 
     **Arguments:** `onto`: a map that is no longer needed, which is written over.
     """
@@ -55,7 +55,8 @@ def change(frames: Frames, t: Int[Array, ""], first: int | Int[Array, ""], onto:
         def read(moment):
             # Indices below 0 or too large are moved inside: so the first frame and the edges of the field repeat.
             at, size = (moment, first, jnp.zeros_like(t)), (1, count, frames.shape[2])
-            return jax.lax.dynamic_slice(frames, at, size, allow_negative_indices=False)[0]
+            levels = jax.lax.dynamic_slice(frames, at, size, allow_negative_indices=False)[0]
+            return levels.astype(onto.dtype)
 
         return read(t) - read(t - 1)
 

@@ -106,12 +106,13 @@ def main(arguments: list[str] | None = None) -> int:
     options = argparse.Namespace(traceback=False, no_compilation_cache=False)
     try:
         _check_names(sys.argv[1:] if arguments is None else arguments)
-        with ended_by_ctrl_c() if whole else contextlib.nullcontext():
-            _parser().parse_args(arguments, options)
-            command = _loaded(options.command, keep=not options.no_compilation_cache)
-        with _remarks_as_lines(), interrupted_by_ctrl_c() if whole else contextlib.nullcontext():
-            command.run(options)
-            print(end="", flush=True)  # so that a reader that has gone is known here, and not when Python ends
+        with _remarks_as_lines():
+            with ended_by_ctrl_c() if whole else contextlib.nullcontext():
+                _parser().parse_args(arguments, options)
+                command = _loaded(options.command, keep=not options.no_compilation_cache)
+            with interrupted_by_ctrl_c() if whole else contextlib.nullcontext():
+                command.run(options)
+                print(end="", flush=True)  # so that a reader that has gone is known here, and not when Python ends
     except (Exception, KeyboardInterrupt) as error:
         if type(error) is BrokenPipeError:  # of Python's own output; ffmpeg's is a subclass
             os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # for what is left to be written

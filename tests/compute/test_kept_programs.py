@@ -75,6 +75,7 @@ def test_spoilt_programs_cost_time_alone(start):
     cut_off.write_bytes(cut_off.read_bytes()[:-40])
     foreign.write_bytes(b"no program")
     assert start() == [len(start.kept()) - 2, value]
+    assert start() == [len(start.kept()), value]  # what was spoilt is written anew
 
 
 def test_spoilt_programs_cost_a_process_that_a_start_begins_time_alone(start):

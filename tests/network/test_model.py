@@ -33,7 +33,13 @@ def test_precision(frames, parameters):
 def test_integers_are_cast_before_they_are_subtracted():
     frames = np.round(FRAMES)
     model = lgmd.LGMD2(lgmd.Parameters(theta1=1.0, k=20.0))
-    np.testing.assert_array_equal(model(frames.astype(np.uint8), 30.0).smp, model(frames, 30.0).smp)
+    levels = frames.astype(np.uint8)
+    expected = model(frames, 30.0).smp
+    np.testing.assert_array_equal(model(levels, 30.0).smp, expected)
+    state = model.init(levels[0])
+    for level, smp in zip(levels, expected, strict=True):
+        state, response = model.step(state, level, 30.0)
+        assert response.smp == smp
 
 
 @pytest.mark.parametrize("dtype", [">u2", ">i4", ">f4", ">f8"])

@@ -46,6 +46,20 @@ def test_sums_and_their_derivatives_are_those_of_the_whole_field(in_fours, struc
     assert_close(with_derivatives(sums)(PARAMETERS), with_derivatives(plain)(PARAMETERS))
 
 
+@pytest.mark.parametrize("mechanisms", [(), ("size",)])
+def test_integers_give_what_floats_do(in_fours, mechanisms):
+    levels = jnp.round(FRAMES).astype(jnp.uint8)
+    assert (levels.max(axis=0) > levels.min(axis=0)).any()
+
+    def with_derivatives(frames):
+        def of(parameters):
+            return sums(parameters, SOFT, {"mechanisms": mechanisms}, frames=frames)
+
+        return jax.jit(lambda parameters: (of(parameters), jax.jacfwd(of)(parameters)))(PARAMETERS)
+
+    assert_close(with_derivatives(levels), with_derivatives(levels.astype(float)))
+
+
 def test_a_batch_at_an_uneven_clock(in_fours):
     films, interval = jnp.stack([FRAMES, FRAMES[:, ::-1]]), jnp.linspace(20.0, 50.0, len(FRAMES))
 
