@@ -63,7 +63,7 @@ OPTIONS = {"csv": "csv", "json": "json", "png": "figure", "mp4": "overlay"}  # b
 
 @dataclasses.dataclass(frozen=True)
 class Command:
-    """A command whose results go to OUT, and the one that goes on with it.
+    """A command whose results go to OUT, and the one that continues it.
 
     `earlier`: what fills OUT with other results of the same kind, None where these would be refused. `stdin`: a file
     for its standard input. `adds_to`: a folder whose model and fit lie in OUT/results before.

@@ -29,8 +29,7 @@ def warn_renamed(old: str, new: str) -> None:
 
 def warn_unfinished(sentence: str, stacklevel: int) -> None:
     """Warn that results are not whole yet, and say how to go on. `stacklevel`: as of `warnings.warn`, from here."""
-    said = f"{sentence}; go on by lgmd2jax fit ... --resume, or fit anew"
-    warnings.warn(said, UnfinishedWarning, stacklevel=stacklevel)
+    warnings.warn(f"{sentence}; lgmd2jax fit ... --resume continues it", UnfinishedWarning, stacklevel=stacklevel)
 
 
 def is_refusal(error: BaseException) -> bool:

@@ -66,13 +66,13 @@ TEST_VECTOR = ("fps", "tolerance", "frames", "response")
 CHANNELS = ("mp", "ffi", "smp", "smp_adapted", "spikes", "collision")
 EVIDENCE = ("smp_adapted", "level", "rise", "inhibition")  # of which urgency is a logistic function
 URGENCY = ("within_ms", "tau_ms", "intercept", *EVIDENCE)
-CAME_TRUE = ("foretold", "observed")  # a table of what that function says, rising, and how often it came true
+CALIBRATION = ("predicted", "observed")  # a table, rising: what that function says, and how often contact followed
 
 
 class Response(NamedTuple):
     """What the cell does in a frame, or an array over the frames of a clip.
 
-    `mp` in grey levels; `ffi` likewise, with size-coding inhibition the share of the field that changed of late;
+    `mp` in grey levels; `ffi` likewise, with size-coding inhibition the share of the field that changed recently;
     `smp` before and `smp_adapted` after adaptation, in [.5, 1); `spikes` 0, 1 or 2; `collision` the alarm.
     `mp_sides` and `f_sides`: the shares of the left, centre and right third of the columns in MP, and in F, which `ffi`
     follows; they tell where to turn. `urgency`: the probability of contact within the time that the hand-over file
@@ -105,7 +105,7 @@ class HardLGMD2:
     - `n_p`, `low_pass`, `N_ts`: structure, as in the hand-over file.
     - `mechanisms`: the names of those that the model has; `parameters` then holds theirs too (`MECHANISMS`).
     - `urgency`: how to tell the probability of contact: a number for each of `URGENCY`, and perhaps the table
-      `CAME_TRUE`, between whose rows it is interpolated; None for not at all.
+      `CALIBRATION`, between whose rows it is interpolated; None for not at all.
 
     **Raises:** `ValueError` for parameters that are missing, unknown or out of their domain, and for unknown structure.
     """
@@ -254,10 +254,10 @@ class HardLGMD2:
         inhibition = self._ffi / (self._ffi + self._inhibited_from())
         evidence = (self._smp_adapted - 0.5, self._level - 0.5, smp - self._level, inhibition)
         weighted = (self.urgency[name] * value for name, value in zip(EVIDENCE, evidence))
-        foretold = _sigmoid(self.urgency["intercept"] + sum(weighted))
-        if not self.urgency.get("foretold"):
-            return foretold
-        return float(np.interp(foretold, self.urgency["foretold"], self.urgency["observed"]))
+        predicted = _sigmoid(self.urgency["intercept"] + sum(weighted))
+        if not self.urgency.get("predicted"):
+            return predicted
+        return float(np.interp(predicted, self.urgency["predicted"], self.urgency["observed"]))
 
     def _inhibited_from(self):
         return self.parameters["A_ffi" if "size" in self.mechanisms else "T_ffi"]
@@ -493,15 +493,15 @@ def _check_structure(structure):
 def _check_urgency(urgency):
     if urgency is None:
         return
-    if not isinstance(urgency, Mapping) or set(urgency) - set(CAME_TRUE) != set(URGENCY):
+    if not isinstance(urgency, Mapping) or set(urgency) - set(CALIBRATION) != set(URGENCY):
         raise ValueError(f"urgency is {urgency!r}; give {', '.join(URGENCY)}")
     for name in URGENCY:
         value = urgency[name]
         if not _is_finite(value) or (name.endswith("_ms") and value <= 0):
             raise ValueError(f"{name} of urgency is {value!r}; give a finite number, of ms a positive one")
-    given = [urgency.get(name, []) for name in CAME_TRUE]
+    given = [urgency.get(name, []) for name in CALIBRATION]
     columns = [_array(list(column) if isinstance(column, tuple) else column, (int, float)) for column in given]
-    for name, column in zip(CAME_TRUE, columns):
+    for name, column in zip(CALIBRATION, columns):
         is_row = column.ndim == 1 and column.dtype.kind in "fi" and column.shape == columns[0].shape
         if not (is_row and (np.diff(column) >= 0).all() and ((column >= 0) & (column <= 1)).all()):
             raise ValueError(f"{name} of urgency is {urgency.get(name)!r}; give rising numbers 0..1, as many in both")

@@ -19,7 +19,7 @@ eye = lgmd.Eye(rows=48, cols=64, degrees_per_pixel=2.0, fps=100.0)
 # The drive of the cell is MP, the sum over pixels of how much they change. The inhibition that must end the response
 # is F, the mean of how much they change: the same quantity, edge length times speed times step of luminance. So the
 # angle of the disc at which F passes its threshold moves with contrast and with speed. With **A** (`"size"`) F is the
-# share of the field that changed of late: it grows with the disc, whatever its contrast.
+# share of the field that changed recently: it grows with the disc, whatever its contrast.
 #
 # Below, the angle at which the inhibition passes its threshold, in frames of 10 ms. Both thresholds are set at the
 # frame at which a loom of contrast -.9 at 40 ms passes 35 degrees. At 10 ms the delays, some tens of ms, count too.

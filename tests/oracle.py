@@ -97,7 +97,7 @@ def respond(frames, fps, v, temperature=None, n_p=0, low_pass="backward_euler", 
         mp = sum(g[x][y] for x, y in pixels)  # eq. 11
 
         delayed = [[d_on[x][y] + d_off[x][y] for y in range(cols)] for x in range(rows)]
-        if "size" in mechanisms:  # the share of the field that changed of late
+        if "size" in mechanisms:  # the share of the field that changed recently
             height = coefficient(v["tau1"]) * v["T_p"]
             for x, y in pixels:
                 now = changed(delayed[x][y], height)

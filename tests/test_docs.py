@@ -3,6 +3,7 @@
 import inspect
 import json
 import re
+import tomllib
 from collections import Counter
 from pathlib import Path
 
@@ -41,6 +42,14 @@ def test_the_page_of_a_schema_tells_the_meaning_of_every_key(name):
     rows = re.findall(r"^\| `(\w+)` \|.*\| (.*) \|$", page, re.M)
     assert {key for key, _ in rows} == keys
     assert [key for key, meaning in rows if not meaning] == []
+    assert re.findall(r"[Aa]s (?:for|of) `[\w.]+`", page) == []  # each is a link to what it names
+
+
+def test_contributing_lists_every_room():
+    contracts = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"]
+    rooms = {room.strip() for line in contracts[0]["layers"] for room in line.split("|")}
+    table = re.findall(r"^\| (`.*?) \|", (ROOT / "CONTRIBUTING.md").read_text(), re.M)
+    assert Counter(room for cell in table for room in re.findall(r"`(\w+)`", cell)) == Counter(rooms)
 
 
 @pytest.mark.parametrize(

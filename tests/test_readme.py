@@ -48,7 +48,7 @@ def test_commands_run(command, tmp_path, monkeypatch, capsys):
     said = capsys.readouterr().out
     left = [path.name for path in place.iterdir() if path.name != "stimuli"]
     if "watch" in command:
-        assert "right on 1 of 1 clips" in said
+        assert "correct on 1 of 1 clips" in said
     else:
         assert left
     assert shown_by_git(left) == []

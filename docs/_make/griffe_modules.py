@@ -6,9 +6,8 @@ import re
 
 import griffe
 
-from docs._make.public_names import links_of, object_at
+from docs._make.public_names import links_of, object_at, with_references
 
-_AS_FOR = re.compile(r"\b([Aa]s (?:for|of|in|by)) (a call|`[\w.]+`)")
 _CLASS = re.compile(r"(?<![\[`])`((?:[a-z]\w*\.)*[A-Z]\w*)`(?![`\]])")
 _logger = griffe.get_logger("lgmd2jax.docs")  # mkdocs takes its warnings for its own, so that --strict fails
 
@@ -76,17 +75,11 @@ def linked(text: str, place: griffe.Object, links: dict[str, str]) -> str:
     def public(name: str) -> str | None:
         return links.get(f"{room}.{name}") or links.get(name)
 
-    def reference(match):
-        words, name = match.groups()
+    def entry(name: str) -> str | None:
         owner = place if place.is_class else place.parent
-        bare = name.strip("`")
-        if name == "a call":
-            found = "lgmd2jax.AbstractNetwork.__call__"
-        elif owner is not None and owner.is_class and bare in owner.members:
-            found = f"{owner.path}.{bare}"
-        else:
-            found = public(bare)
-        return f"{words} [{name}][{found}]" if found else match[0]
+        if owner is not None and owner.is_class and name in owner.members:
+            return f"{owner.path}.{name}"
+        return public(name)
 
     def mention(match):
         found = public(match[1])
@@ -94,5 +87,5 @@ def linked(text: str, place: griffe.Object, links: dict[str, str]) -> str:
 
     blocks = re.split(r"(```.*?```)", text, flags=re.S)
     for i, block in enumerate(blocks[::2]):
-        blocks[2 * i] = _CLASS.sub(mention, _AS_FOR.sub(reference, block))
+        blocks[2 * i] = _CLASS.sub(mention, with_references(block, entry))
     return "".join(blocks)

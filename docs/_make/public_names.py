@@ -1,12 +1,15 @@
 """The public names of the library, and where the pages of the reference treat each."""
 
+import functools
 import importlib
 import re
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 ROOMS = ("lgmd2jax", "lgmd2jax.stimuli", "lgmd2jax.alarms", "lgmd2jax.arena", "lgmd2jax.fitting", "lgmd2jax.hard")
 _REFERENCE = Path(__file__).parents[1] / "reference"
+_AS_FOR = re.compile(r"\b([Aa]s (?:for|of|in|by)) (a call|`[\w.]+`)")
 
 
 def object_at(start: Any, path: str) -> Any:
@@ -47,6 +50,7 @@ def documented() -> list[str]:
     return [name for page in pages for name in re.findall(r"^::: (\S+)", page.read_text(encoding="utf-8"), re.M)]
 
 
+@functools.cache
 def links_of() -> dict[str, str]:
     """The entry of each public name: by its whole path, by each end of that, and by its other paths."""
     entries = documented()
@@ -59,3 +63,14 @@ def links_of() -> dict[str, str]:
             for i in range(len(parts)):
                 links.setdefault(".".join(parts[i:]), entry)
     return links
+
+
+def with_references(text: str, entry: Callable[[str], str | None]) -> str:
+    """The text, with a link wherever it says "as for" another name. `entry`: of that name in the reference."""
+
+    def reference(match):
+        words, name = match.groups()
+        found = "lgmd2jax.AbstractNetwork.__call__" if name == "a call" else entry(name.strip("`"))
+        return f"{words} [{name}][{found}]" if found else match[0]
+
+    return _AS_FOR.sub(reference, text)

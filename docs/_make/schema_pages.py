@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import lgmd2jax as lgmd
+from docs._make.public_names import links_of, with_references
 
 # What declares the keys of a part in Python: it tells their meaning and their defaults.
 _DECLARED_BY: dict[str, tuple[Callable, ...]] = {
@@ -154,4 +155,4 @@ def _range(value: dict[str, Any]) -> str:
 
 
 def _cell(text: str) -> str:
-    return text.replace("|", "\\|")
+    return with_references(text.replace("|", "\\|"), links_of().get)

@@ -106,7 +106,7 @@ def _urgency(calibration: Mapping[str, Any]) -> dict[str, Any]:
         "within_ms": calibration["within_ms"],
         "tau_ms": _literal(calibration["tau_ms"]),
         "weights": [Constant(name, _literal(calibration[name]), meaning) for name, meaning in _WEIGHED.items()],
-        **{name: list(map(_literal, calibration.get(name, ()))) for name in hard.CAME_TRUE},
+        **{name: list(map(_literal, calibration.get(name, ()))) for name in hard.CALIBRATION},
     }
 
 

@@ -55,7 +55,7 @@ class FileMemory(dict[str, Any]):
             self._write(key, value)
         except OSError as error:
             reason = error.strerror or str(error)
-            raise ValueError(f"cannot write {self._path}: {reason}; make room, and go on with --resume") from error
+            raise ValueError(f"cannot write {self._path}: {reason}; make room, and continue with --resume") from error
 
     def _write(self, key: str, value: Any) -> None:
         if self._begun:

@@ -10,7 +10,7 @@ from matplotlib.patches import Patch
 from lgmd2jax._figures.style import BLACK, BLUE, COLOURS, GREEN, GREY, MARKS, VERMILION, drawn
 from lgmd2jax._signals import stretches
 from lgmd2jax.alarms import ClipLabels, Comparison, Evaluation, LabelledClip, Reliability, Score, Verdict
-from lgmd2jax.alarms._detectors import WORDS
+from lgmd2jax.alarms._detectors import TITLES
 from lgmd2jax.alarms._report import headline
 
 _LINES = 30  # clips at most
@@ -18,13 +18,13 @@ _WORST, _PICTURES = 4, 5
 _STEPS = 200
 
 
-def clips_figure(path: str | os.PathLike, watch: Evaluation, name: str) -> None:
-    """A line for each clip, least margin first: where an alarm is wanted, where silence, and where it was raised."""
-    rows = _by_margin(watch)[:_LINES]
+def clips_figure(path: str | os.PathLike, evaluation: Evaluation, name: str) -> None:
+    """A line for each clip, smallest margin first: where an alarm is wanted, where silence, and where it was raised."""
+    rows = _by_margin(evaluation)[:_LINES]
     with drawn(path, 9, 1.4 + 0.24 * len(rows)) as figure:
         axes = figure.subplots()
         for y, (clip, trace, verdict) in enumerate(rows):
-            on = trace >= watch.T_sp
+            on = trace >= evaluation.T_sp
             _bars(axes, clip, clip.in_silence(), y, GREY, 0.35, 0.6)
             for inside in clip.in_windows():
                 _bars(axes, clip, inside, y, GREEN, 0.45, 0.6)
@@ -59,26 +59,28 @@ def clips_figure(path: str | os.PathLike, watch: Evaluation, name: str) -> None:
             loc="lower center",
             bbox_to_anchor=(0.5, 1.0),
         )
-        few = "" if len(rows) == len(watch.clips) else f"; shown are the {len(rows)} of least margin"
-        figure.suptitle(f"{name}: {headline(watch)}{few}")
+        few = "" if len(rows) == len(evaluation.clips) else f"; the {len(rows)} with the smallest margin"
+        figure.suptitle(f"{name}: {headline(evaluation)}{few}")
 
 
-def operating_figure(path: str | os.PathLike, watch: Evaluation) -> None:
+def operating_figure(path: str | os.PathLike, evaluation: Evaluation) -> None:
     """Hits against false alarms over all T_sp, both over T_sp itself, and how long before contact the alarm came."""
-    highest = max(float(trace.max(initial=0.5)) for trace in watch.evidence)
+    highest = max(float(trace.max(initial=0.5)) for trace in evaluation.evidence)
     thresholds = np.linspace(0.5, min(highest + 0.02, 1.0), _STEPS)
-    hits, false = watch.operating_curve(thresholds)
-    score, most = watch.score(), max(float(false.max()), 1e-9)
-    warnings = [verdict.warning_ms for verdict in watch.verdicts() if not np.isnan(verdict.warning_ms)]
+    hits, false = evaluation.operating_curve(thresholds)
+    score, most = evaluation.score(), max(float(false.max()), 1e-9)
+    warnings = [verdict.warning_ms for verdict in evaluation.verdicts() if not np.isnan(verdict.warning_ms)]
     with drawn(path, 10, 3.4) as figure:
         curve, over, lead = figure.subplots(1, 3)
         curve.plot(false, hits, color=BLUE)
-        curve.plot(score.false_alarms.value, score.hits.value, "o", color=VERMILION, label=f"T_sp = {watch.T_sp:.3f}")
+        curve.plot(
+            score.false_alarms.value, score.hits.value, "o", color=VERMILION, label=f"T_sp = {evaluation.T_sp:.3f}"
+        )
         curve.set(xlabel="false alarms a minute", ylabel="windows hit", ylim=(-0.03, 1.03), xlim=(-0.03 * most, None))
         curve.legend(loc="lower right")
         over.plot(thresholds, hits, color=GREEN, label="windows hit")
-        over.plot(thresholds, false / most, color=BLACK, label="false alarms (of the most)")
-        over.axvline(watch.T_sp, color=VERMILION, linestyle="--", linewidth=1)
+        over.plot(thresholds, false / most, color=BLACK, label="false alarms (1: the most)")
+        over.axvline(evaluation.T_sp, color=VERMILION, linestyle="--", linewidth=1)
         over.set(xlabel="T_sp (adapted SMP)", ylabel="share", ylim=(-0.03, 1.03))
         over.legend(loc="lower center", bbox_to_anchor=(0.5, 1), ncols=2)
         if warnings:
@@ -103,7 +105,7 @@ def comparison_figure(path: str | os.PathLike, comparison: Comparison) -> None:
                 _cross(axes, outcome.counts.score(), color=colour, marker=mark, markerfacecolor="none")
             if compared.own is not None:
                 _cross(axes, compared.own.counts.score(), color=colour, marker=mark, markersize=8)
-            axes.plot([], [], color=colour, marker=mark, label=WORDS.get(name, name))
+            axes.plot([], [], color=colour, marker=mark, label=TITLES.get(name, name))
         most = max(
             outcome.counts.score().false_alarms.high
             for compared in comparison.detectors.values()
@@ -121,9 +123,9 @@ def _cross(axes: Axes, score: Score, **style) -> None:
     )
 
 
-def worst_figure(path: str | os.PathLike, watch: Evaluation) -> None:
-    """The clips of least margin: what is seen, and the evidence for an alarm with T_sp."""
-    rows = _by_margin(watch)[:_WORST]
+def worst_figure(path: str | os.PathLike, evaluation: Evaluation) -> None:
+    """The clips with the smallest margin: what is seen, and the evidence for an alarm with T_sp."""
+    rows = _by_margin(evaluation)[:_WORST]
     with drawn(path, 10, 2.9 * len(rows)) as figure:
         grid = figure.add_gridspec(2 * len(rows), _PICTURES, height_ratios=[1.0, 1.3] * len(rows))
         for row, (clip, trace, verdict) in enumerate(rows):
@@ -144,13 +146,13 @@ def worst_figure(path: str | os.PathLike, watch: Evaluation) -> None:
                 seconds, 0, 1, where=clip.in_silence(), transform=axes.get_xaxis_transform(), color=GREY, alpha=0.15
             )
             axes.plot(seconds, np.maximum(trace, 0.4), color=BLACK)
-            axes.axhline(watch.T_sp, color=VERMILION, linestyle="--", linewidth=1)
+            axes.axhline(evaluation.T_sp, color=VERMILION, linestyle="--", linewidth=1)
             axes.plot(seconds[places], np.maximum(trace[places], 0.4), "o", color=BLUE, markersize=4)
             axes.set(ylabel="evidence", xlim=(seconds[0], seconds[-1]))
-            judgement = "right" if verdict.right else "wrong"
+            judgement = "correct" if verdict.right else "wrong"
             axes.set_title(f"{clip.name}: {judgement}, margin {verdict.margin:+.3f}", loc="left", fontsize=8)
             if row == len(rows) - 1:
-                axes.set_xlabel("time (s); green: an alarm is wanted, grey: silence; dashed: T_sp")
+                axes.set_xlabel("time (s); green: alarm wanted, grey: silence wanted; dashed: T_sp")
 
 
 def reliability_figure(path: str | os.PathLike, found: Reliability, within_ms: float) -> None:
@@ -160,18 +162,18 @@ def reliability_figure(path: str | os.PathLike, found: Reliability, within_ms: f
     with drawn(path, 8, 3.4) as figure:
         diagram, counts = figure.subplots(1, 2)
         diagram.plot([0, 1], [0, 1], color=GREY, linestyle="--", linewidth=1)
-        diagram.errorbar(found.foretold, observed[:, 0], errors, fmt="o-", color=BLUE, capsize=2)
+        diagram.errorbar(found.predicted, observed[:, 0], errors, fmt="o-", color=BLUE, capsize=2)
         diagram.set(xlabel=f"predicted probability of contact within {within_ms:g} ms", ylabel="observed frequency")
         diagram.set(xlim=(-0.03, 1.03), ylim=(-0.03, 1.03))
         diagram.set_title(
             f"Brier score {found.brier.value:.4f}; of a constant {found.brier_of_the_mean:.4f}", fontsize=9
         )
-        counts.bar(found.foretold, found.frames, width=0.07, color=BLUE)
+        counts.bar(found.predicted, found.frames, width=0.07, color=BLUE)
         counts.set(xlabel="predicted probability", ylabel="frames", yscale="log", xlim=(-0.05, 1.05))
 
 
-def _by_margin(watch: Evaluation) -> list[tuple[ClipLabels, np.ndarray, Verdict]]:
-    rows = list(zip(watch.clips, watch.evidence, watch.verdicts(), strict=True))
+def _by_margin(evaluation: Evaluation) -> list[tuple[ClipLabels, np.ndarray, Verdict]]:
+    rows = list(zip(evaluation.clips, evaluation.evidence, evaluation.verdicts(), strict=True))
     return sorted(rows, key=lambda row: (row[2].right, np.nan_to_num(row[2].margin, nan=np.inf)))
 
 
@@ -182,7 +184,7 @@ def _bars(axes: Axes, clip: ClipLabels, on: np.ndarray, y: int, colour: str, alp
 
 
 def _moments(clip: ClipLabels, trace: np.ndarray) -> np.ndarray:
-    """Frames that tell the story: evenly spread, with the one of the strongest evidence that is judged."""
+    """Frames evenly spread, among them the judged one of the strongest evidence."""
     places = np.linspace(0, len(trace) - 1, _PICTURES).round().astype(int)
     judged = clip.in_silence() | clip.in_windows().any(axis=0)
     peak = int(np.argmax(np.where(judged, trace, -1)))

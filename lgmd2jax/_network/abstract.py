@@ -218,7 +218,7 @@ class AbstractNetwork(eqx.Module):
         if not isinstance(state, State):
             raise ValueError(f"state is {state!r:.40}; give the one that init or the last step returned")
         if frame.shape != state.shape:
-            raise ValueError(f"frame has shape {frame.shape}, the state {state.shape}; start anew with init(frame)")
+            raise ValueError(f"frame has shape {frame.shape}, the state {state.shape}; start again with init(frame)")
         lasts = self._interval(fps, interval, ())
         state, response = _advance(self, state, frame, lasts, record)
         return state, self._checked(response, lasts, check)

@@ -21,7 +21,7 @@ from lgmd2jax._network.thresholds import Hard, Thresholds
 
 _SHORTEST_INTERVAL = 2.0  # ms; by a faster clock than this a lag wants an eye that says so
 _SHARE_OF_FIELD = Description(
-    "1", "share of the field that changed of late, delayed (eq. 14)", "FFI, share of the field"
+    "1", "share of the field that changed recently, delayed (eq. 14)", "FFI, share of the field"
 )
 _PER_TIME = Description("grey level", "delayed feed-forward inhibition in 1/30 s (eq. 14)", "FFI in 1/30 s")
 MECHANISMS = ("size", "shunt", "lag", "membrane", "rate")

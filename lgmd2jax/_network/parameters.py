@@ -199,7 +199,7 @@ class Parameters(ParameterSet):
         default=0.09,
         converter=scalar,
         metadata=declares(
-            "share of the field that changed of late, from which the cell is inhibited",
+            "share of the field that changed recently, from which the cell is inhibited",
             "1",
             "(0, inf)",
             (0.005, 0.5),

@@ -89,7 +89,7 @@ class Pixels(PixelParts):
         )
 
     def remember(self, traces: Traces, change: Bordered, interval: Scalar) -> tuple[Traces, Scalar, Bordered]:
-        """Eqs 1-4, and F: eq. 13 or the share of the field that changed of late."""
+        """Eqs 1-4, and F: eq. 13 or the share of the field that changed recently."""
         a = coefficient(self.parameters.tau1, interval, self.low_pass)
         p = retina.photoreceptors(change, traces.p, self.parameters.u)
         on, off = retina.half_wave(p)

@@ -134,6 +134,6 @@ def _check_figure(recipe: SweepRecipe) -> None:
     grid = read_grid(recipe.model, FAMILIES[recipe.family], recipe.eye, recipe.parameters, recipe.stimulus)
     sizes = {axis.name: len(axis.values) for axis in grid.axes if len(axis.values) > 1}
     if recipe.index is not None and sizes.pop(recipe.index, None) != 2:
-        raise ValueError(f"figure: index is {recipe.index!r}, which is no axis of two values")
+        raise ValueError(f"figure: index is {recipe.index!r}, which is not an axis of two values")
     if len(sizes) != 2:
         raise ValueError(f"figure: the axes are {', '.join(sizes)}; a surface has two: fix others, or omit [figure]")

@@ -31,7 +31,7 @@ def unfinished_section(parts: Sequence[str]) -> tuple[Section, ...]:
     """What stands before all other sections while parts of the results are still to come; nothing without any."""
     if not parts:
         return ()
-    return (Section(f"UNFINISHED: {', '.join(parts)}", sentences=("The same command with --resume goes on with it.",)),)
+    return (Section(f"UNFINISHED: {', '.join(parts)}", sentences=("The same command with --resume continues it.",)),)
 
 
 def as_text(sections: Sequence[Section]) -> str:

@@ -55,7 +55,7 @@ class AlarmFolder:
     def add(
         self, unfinished: Sequence[str], held_out: HeldOutScores | None, comparisons: Mapping[str, Comparison]
     ) -> None:
-        """Add what models do on clips that the fit did not see, and the comparisons with plain detectors, by title."""
+        """Add what models do on held-out clips, and the comparisons with plain detectors, by title."""
         self._folder.add(self._documents(unfinished, held_out, comparisons))
 
     @property

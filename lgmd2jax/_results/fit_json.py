@@ -12,8 +12,8 @@ from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.thresholds import Soft, StraightThrough, Thresholds, Widths
 from lgmd2jax._targets.observation import Observation, observation_symbols
 from lgmd2jax.fitting import Curve, Fit, Free, Linear, Log, Run, Supplement, Tie, Uncertainty
+from lgmd2jax.fitting._bounds import RANGES
 from lgmd2jax.fitting._curve import tallies
-from lgmd2jax.fitting._free import RANGES
 from lgmd2jax.fitting._uncertainty.covariance import CONFIDENCE
 
 FORMAT, VERSION = "lgmd2jax-fit", 1

@@ -76,7 +76,7 @@ def _calibration() -> type[BaseModel]:
     """What is measured of a model, by name; of these the urgency is known here."""
     kinds = {name: Positive if name.endswith("_ms") else Number for name in hard.URGENCY}
     column = list[Annotated[NotNegative, Field(le=1)]]
-    columns = dict.fromkeys(hard.CAME_TRUE, column)
+    columns = dict.fromkeys(hard.CALIBRATION, column)
     urgency = table("Urgency", {name: (kind, ...) for name, kind in kinds.items()} | columns)
     return table("Calibration", {"urgency": urgency}, base=OpenTable)
 

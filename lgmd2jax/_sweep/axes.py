@@ -100,7 +100,7 @@ def read_grid(
     declared = symbols(type(model.parameters))
     for name, value in (parameters or {}).items():
         if name not in declared:
-            raise ValueError(f"parameters has {name!r}, which is no parameter; choose {nearest(name, declared)}")
+            raise ValueError(f"parameters has {name!r}, which is not a parameter; choose {nearest(name, declared)}")
         symbol = declared[name]
         values = _values(name, value)
         if np.any(outside := ~symbol.contains(values)):

@@ -98,7 +98,7 @@ class Store:
         except OSError as error:
             reason = error.strerror or str(error)
             raise ValueError(
-                f"cannot write {self._path}: {reason}; what is stored stays: run again to go on"
+                f"cannot write {self._path}: {reason}; what is stored stays: run again to continue"
             ) from error
 
     def dataset(self) -> "xarray.Dataset":

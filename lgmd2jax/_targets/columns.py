@@ -117,7 +117,7 @@ class Columns:
         own = _unit_of(name)
         if unit is None and own in (None, "time") and (other := _no_unit_of_time(name)):
             raise ValueError(
-                f"column {name!r} counts in {other!r}, which is no unit of time here; convert it, or give time_unit"
+                f"column {name!r} counts in {other!r}, which is not a unit of time here; convert it, or give time_unit"
             )
         if unit is None:
             return name, size_of(own or "ms", "ms") or 1.0
@@ -125,7 +125,7 @@ class Columns:
         if size is None:
             raise ValueError(f"time_unit is {unit!r}; give 'ms', 's', 'us' or 'min'")
         if own not in (None, "time") and size_of(own, "ms") != size:
-            raise ValueError(f"time_unit is {unit!r}, but the column is named {name!r}; mend one of them")
+            raise ValueError(f"time_unit is {unit!r}, but the column is named {name!r}; correct one of them")
         return name, size
 
     def where(self, wanted: Where | None) -> "Columns":

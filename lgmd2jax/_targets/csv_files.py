@@ -138,7 +138,7 @@ def _factor(column: str, unit: str | None, channel: Channel) -> float:
             )
         return factor
     if unit is not None and named != factor:
-        raise ValueError(f"unit is {unit!r}, but the column is named {column!r}; mend one of them")
+        raise ValueError(f"unit is {unit!r}, but the column is named {column!r}; correct one of them")
     return named
 
 

@@ -52,7 +52,7 @@ def drafts_of_columns(table: Columns, reading: Reading, animal: str) -> list[Dra
         elif "l_over_v" in label:
             condition["l_over_v"] = speeds_in_ms(speed, [table.number(label["l_over_v"], name, 0)])[0]
         if "trial" not in label:
-            raise ValueError(f"{name!r} tells no trial; {_CURE}")
+            raise ValueError(f"{name!r} names no trial; {_CURE}")
         who = reading.animal or label.get("animal") or animal
         spikes = [size * time - event for time in times]
         drafts.append(Draft(who, label.get("session", ""), label["trial"], condition, spikes))

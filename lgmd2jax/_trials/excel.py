@@ -28,7 +28,7 @@ def sheets_of(path: Path, decimal: str = ".") -> list[tuple[str, Columns]]:
         workbook = openpyxl.load_workbook(path, read_only=True, data_only=True)
         formulas = openpyxl.load_workbook(path, read_only=True)
     except (InvalidFileException, zipfile.BadZipFile, KeyError) as error:
-        raise ValueError("this is no Excel workbook; save it as .xlsx, or as CSV") from error
+        raise ValueError("this is not an Excel workbook; save it as .xlsx, or as CSV") from error
     except AttributeError as error:  # of openpyxl, on a sheet that is a chart
         raise ValueError("this workbook holds an empty chart; remove it, or save the sheet as CSV") from error
     sheets = []

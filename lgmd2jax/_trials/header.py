@@ -93,7 +93,7 @@ def milliseconds(name: str, values: Sequence[float], time_unit: str | None) -> f
     if time_unit is not None and size is None:
         raise ValueError(f"time_unit is {time_unit!r}; give 'ms', 's' or 'us'")
     if own is not None and size is not None and size_of(own, "ms") != size:
-        raise ValueError(f"time_unit is {time_unit!r}, but the column is named {name!r}; mend one of them")
+        raise ValueError(f"time_unit is {time_unit!r}, but the column is named {name!r}; correct one of them")
     if own is not None:
         size = size_of(own, "ms")
     if size is None:

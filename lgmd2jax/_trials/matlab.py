@@ -89,7 +89,7 @@ def _fields(variables: Mapping[str, Any]) -> dict[str, list[Any]]:
     if len(lengths) != 1:
         told = ", ".join(f"{name} ({len(values)})" for name, values in lists.items()) or ", ".join(variables)
         raise ValueError(
-            f"its variables are no trials: {told}; save one struct array with a field of spike times, or a cell array "
+            f"its variables are not trials: {told}; save one struct array with a field of spike times, or a cell array "
             "of them beside vectors as long"
         )
     return lists
@@ -104,7 +104,7 @@ def _variables(path: Path) -> dict[str, Any]:
     try:
         content = scipy.io.loadmat(path, simplify_cells=True)
     except (ValueError, TypeError, NotImplementedError, OSError, IndexError) as error:
-        raise ValueError(f"this is no Matlab file: {error}") from error
+        raise ValueError(f"this is not a Matlab file: {error}") from error
     return {name: _plain(value) for name, value in content.items() if not name.startswith("__")}
 
 
@@ -123,7 +123,7 @@ def _hdf5(path: Path) -> dict[str, Any]:
         with h5py.File(path) as file:
             return {name: _of_hdf5(file, value) for name, value in file.items() if not name.startswith("#")}
     except (ValueError, KeyError, RuntimeError, OSError) as error:
-        raise ValueError(f"this is no Matlab file: {' '.join(str(error).split()):.100}") from error
+        raise ValueError(f"this is not a Matlab file: {' '.join(str(error).split()):.100}") from error
 
 
 def _of_hdf5(file: Any, value: Any) -> Any:

@@ -60,7 +60,7 @@ def _content(path: Path) -> _Content:
             subject = content.subject.subject_id if content.subject is not None else None
             return _Content(subject, _units(content.units), _trials(content.trials))
     except (OSError, TypeError, KeyError) as error:
-        raise ValueError(f"this is no NWB file: {' '.join(str(error).split()):.100}") from error
+        raise ValueError(f"this is not an NWB file: {' '.join(str(error).split()):.100}") from error
 
 
 def _units(table: Any) -> dict[str, np.ndarray]:

@@ -89,7 +89,7 @@ def trials_of(drafts: Sequence[Draft], reading: Reading, remarks: Sequence[str] 
     common = reading.window or (min(math.floor(spikes.min()), 0), max(math.ceil(spikes.max()), 0))
     if reading.window is None and any(draft.span is None for draft in drafts):
         remarks.append(
-            f"no trial tells when it starts and ends: all are taken to reach from {common[0]:g} to {common[1]:g} ms, "
+            f"no trial states its start and end: all are taken to last from {common[0]:g} to {common[1]:g} ms, "
             "as their spikes do; else give window (--window)"
         )
     trials, repeated = [], 0
@@ -103,7 +103,7 @@ def trials_of(drafts: Sequence[Draft], reading: Reading, remarks: Sequence[str] 
             own = own[(own >= start) & (own <= end)]
         trials.append(Trial(draft.animal, draft.name, draft.condition, own, start, end, draft.session))
     if repeated:
-        remarks.append(f"{repeated} spikes stand twice in their trial, at the same time; each counts once")
+        remarks.append(f"{repeated} spikes appear twice in their trial, at the same time; each counts once")
     return Trials(tuple(trials), tuple(remarks))
 
 
@@ -115,12 +115,12 @@ def _check_times(drafts: Sequence[Draft], spikes: np.ndarray) -> None:
     intervals = np.concatenate([np.diff(np.sort(np.unique(draft.spikes))) for draft in drafts])
     if high - low < _SHORTEST_MS or (intervals.size and np.median(intervals) < _REFRACTORY_MS):
         raise ValueError(
-            f"{where}, as if seconds were taken for ms; give time_unit = 's' (--time-unit s), or mend the header"
+            f"{where}, as if seconds were taken for ms; give time_unit = 's' (--time-unit s), or correct the header"
         )
     if max(high - low, -low, high) > _LONGEST_MS:
         raise ValueError(
-            f"{where}, as if ms were taken for seconds, or as on a session's clock; mend time_unit (--time-unit), or "
-            "name the column of the collision by event (--event)"
+            f"{where}, as if ms were taken for seconds, or as on a session's clock; correct time_unit (--time-unit), "
+            "or name the column of the collision by event (--event)"
         )
     if low > 0:
         raise ValueError(

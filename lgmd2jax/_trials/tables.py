@@ -52,7 +52,7 @@ def drafts_of_two_tables(
         elif found[key] == (draft, event):
             repeated += 1
         else:
-            raise ValueError(f"row {number} is of {_told(shared, key)} again, and not alike; mend one of them")
+            raise ValueError(f"row {number} is of {_told(shared, key)} again, and not alike; correct one of them")
     times = spike_roles.times("time") or []
     for key, time, number in zip(spike_roles.labels(shared), times, spikes.row_numbers, strict=True):
         if key not in found:
@@ -61,7 +61,7 @@ def drafts_of_two_tables(
             )
         draft, event = found[key]
         draft.spikes.append(time - event)
-    remarks = [f"{repeated} rows of the trials stand twice, alike; each counts once"] if repeated else []
+    remarks = [f"{repeated} rows of the trials appear twice, alike; each counts once"] if repeated else []
     return [draft for draft, _ in found.values()], [*remarks, *_unread(roles)]
 
 
@@ -106,7 +106,7 @@ def _rows_of_spikes(roles: Roles) -> tuple[list[Draft], list[str]]:
         key = (draft.animal, draft.session, draft.name, tuple(draft.condition.items()))
         first, clock = found.setdefault(key, (draft, event))
         if (first.span, clock) != (draft.span, event):
-            raise ValueError(f"row {number} has another event or span than rows of its trial before; mend one of them")
+            raise ValueError(f"row {number} has another event or span than rows of its trial before; correct one")
         if value is not None:
             first.spikes.append(size * value - event)
     return [draft for draft, _ in found.values()], _unread(roles)

@@ -45,12 +45,12 @@ class Trial:
         if not (np.all(np.isfinite(spikes)) and math.isfinite(self.end_ms - self.start_ms)):
             raise ValueError(f"{self} holds times that are no finite numbers; leave them out")
         if not self.start_ms < self.end_ms:
-            raise ValueError(f"{self} ends at {self.end_ms:g} ms and starts at {self.start_ms:g} ms; mend its span")
+            raise ValueError(f"{self} ends at {self.end_ms:g} ms and starts at {self.start_ms:g} ms; correct its span")
         outside = spikes[(spikes < self.start_ms) | (spikes > self.end_ms)]
         if outside.size:
             raise ValueError(
                 f"{self} reaches from {self.start_ms:g} to {self.end_ms:g} ms, and a spike lies at {outside[0]:g} ms; "
-                "mend its span, its event or the unit of the times"
+                "correct its span, its event or the unit of the times"
             )
 
     def __eq__(self, other: object) -> bool:

@@ -72,7 +72,7 @@ def _pixels(raw: _Raw, white: float | int | None) -> ImagePixels:
         raise ValueError(f"it holds {values.max():g}, above {bound}")
     remarks.extend(remarks_on_depth(float(values.max()), raw.full or 0, white))
     if raw.alpha is not None and (raw.alpha < 1).any():
-        remarks.append("it is transparent in places, and is laid on white")
+        remarks.append("it is transparent in places, and is shown on white")
         cover = raw.alpha if values.ndim == 2 else raw.alpha[..., None]
         values = values * cover + np.float32(level) * (1 - cover)
     return ImagePixels(raw.orientation.shown(values), level, tuple(remarks))

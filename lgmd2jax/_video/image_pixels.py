@@ -49,7 +49,7 @@ def remarks_on_depth(brightest: float | int, full: float | int, told: float | in
         bits = next(bits for bits in (8, 10, 12, 14, 16) if brightest < 2**bits)
         yield (
             f"its brightest pixel is {brightest:g} of {full:g}; "
-            f"if the camera gives {bits} bits, say so: white = {2**bits - 1} (--white {2**bits - 1})"
+            f"if the camera gives {bits} bits, give it: white = {2**bits - 1} (--white {2**bits - 1})"
         )
 
 

@@ -129,7 +129,7 @@ class VideoFile:
         except PermissionError as error:
             raise ValueError(f"cannot read {self.path}: {error.strerror}") from error
         except av.error.FFmpegError as error:
-            raise ValueError(f"{self.path} is no video, or a truncated one: {error.strerror}") from error
+            raise ValueError(f"{self.path} is not a video, or is truncated: {error.strerror}") from error
         # ffmpeg draws plain text as the screen of a terminal ("tty").
         if not container.streams.video or container.format.name == "tty":
             container.close()

@@ -93,7 +93,7 @@ class VideoPixels:
         colours, cover = stored[..., :3], np.float32(stored[..., 3:]) / 255
         if (cover == 1).all():
             return ImagePixels(colours, 255.0)
-        remark = "it is transparent in places, and is laid on white"
+        remark = "it is transparent in places, and is shown on white"
         return ImagePixels(colours * cover + 255 * (1 - cover), 255.0, (remark,))
 
     def _levels(self, window: Window | None = None, shape: tuple[int, int] | None = None) -> np.ndarray:

@@ -33,8 +33,8 @@ def choose(
 ) -> Choice:
     """The T_sp of least risk in [low, high] of each candidate: the threshold needs no search.
 
-    What is right on all clips has a risk that its worst events rule, so that the least one has the widest margin; where
-    no candidate is, events that hang by a hair count for half, and the choice does not lean on them.
+    A candidate that is correct on all clips is at risk by its worst events, so that the least risk has the widest
+    margin. Where no candidate is correct, an event close to T_sp counts for half.
 
     **Arguments:** `peaks`: the largest evidence in each event, which is a window in which an alarm is `wanted`, or all
     that must be silent of a clip. `weights`: what it costs to miss it, or to give a false alarm there. `slack`: the

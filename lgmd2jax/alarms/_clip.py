@@ -171,4 +171,4 @@ def check_stretches(
         raise ValueError(f"{name}: contact is frame {contact}, before an alarm is wanted, from {alarm} on; mend one")
     for (_, end, kind), (first, _, other) in itertools.pairwise(labels):
         if first <= end:
-            raise ValueError(f"{name}: {kind} up to {end} and {other} from {first} overlap; let each frame be in one")
+            raise ValueError(f"{name}: {kind} up to {end} and {other} from {first} overlap; shorten one of them")

@@ -15,7 +15,8 @@ from lgmd2jax.alarms._evaluation import Evaluation
 
 BUDGETS = (1.0, 2.0, 4.0)  # false alarms a minute
 INTERVALS = (
-    "95 %: Wilson's of a share, Garwood's of a count, a paired bootstrap over sources of how many more windows are hit"
+    "95 % intervals, Wilson's of the windows hit, Garwood's of the false alarms, of the difference by a paired "
+    "bootstrap over sources"
 )
 _FOLDS = 20  # at most: of more sources, several are left out together
 _RESAMPLES = 5000
@@ -68,9 +69,9 @@ class Compared(NamedTuple):
 
 @dataclasses.dataclass(frozen=True)
 class Comparison:
-    """Detectors on the same clips, by name; the first is the one that the others are held against.
+    """Detectors on the same clips, by name; the others are compared with the first.
 
-    - `training`: by which clips the thresholds at the budgets were chosen, in words.
+    - `training`: on which clips the thresholds for the budgets were chosen, in words.
     """
 
     clips: tuple[ClipLabels, ...]
@@ -85,14 +86,14 @@ class Comparison:
 
         At a budget each has the lowest threshold that keeps within it on clips that are none of those judged.
 
-        **Arguments:** `training`: words for other clips and what each detector does on them, by which thresholds are
-        chosen. Without it each source is judged by thresholds that the other sources chose.
+        **Arguments:** `training`: words for other clips, and what each detector does on them: thresholds are chosen on
+        these. Without it the thresholds for a source are chosen on the other sources.
 
         **Raises:** `ValueError` for clips without any silence.
         """
         clips = next(iter(detectors.values())).evaluation.clips
         if not sum(clip.silent_minutes for clip in clips):
-            raise ValueError("no clip has a silence, where false alarms are counted; give at least one")
+            raise ValueError("no clip has a silence, in which false alarms are counted; give at least one")
         groups = _groups(clips)
         folds, words = _folds(clips, groups) if training is None else (None, training[0])
         compared: dict[str, Compared] = {}
@@ -209,8 +210,8 @@ def _folds(
     folds = groups % _FOLDS
     minutes = np.bincount(folds, [clip.silent_minutes for clip in clips])
     if np.all(minutes.sum() - minutes > 0):
-        return folds, "each source by thresholds that the other sources chose"
-    return None, "by thresholds that the same clips chose, since no silence is left without one of the sources"
+        return folds, "the clips of the other sources"
+    return None, "the same clips, since no silence is left without one of the sources"
 
 
 def _chosen(

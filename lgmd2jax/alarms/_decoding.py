@@ -34,7 +34,7 @@ def decode(clip: Clip, path: Path, drop_duplicates: bool, options: tuple = ()) -
         with replaced(kept) as temporary:
             np.savez(temporary, **dataclasses.asdict(recording))
     except (OSError, ValueError) as error:
-        warn(f"{clip.name}: it is decoded anew each time, since the cache {kept.parent} cannot be written: {error}")
+        warn(f"{clip.name}: it is decoded again in every run, since the cache {kept.parent} cannot be written: {error}")
     return recording
 
 

@@ -11,7 +11,7 @@ from lgmd2jax.alarms._evaluation import Evaluation, evaluate
 
 MODEL = "model"
 TABLE_I = {"table1_T_sp_0.78": 0.78, "table1_T_sp_0.65": 0.65}  # T_sp off line, and on the robot
-WORDS: Mapping[str, str] = {
+TITLES: Mapping[str, str] = {
     "table1_T_sp_0.78": "Table I, T_sp 0.78",
     "table1_T_sp_0.65": "Table I, T_sp 0.65",
     "difference": "frame difference",

@@ -133,7 +133,7 @@ class Evaluation:
 
 @dataclasses.dataclass(frozen=True)
 class HeldOutScores:
-    """What models do on clips that the fit did not see, by what the model is called."""
+    """What models do on held-out clips, by the model's name."""
 
     minutes: float
     windows: int

@@ -20,7 +20,7 @@ from lgmd2jax.alarms._clip import LabelledClip
 from lgmd2jax.alarms._evaluation import evaluate
 from lgmd2jax.alarms._problem import AlarmProblem, problem_of
 from lgmd2jax.alarms._result import AlarmFit
-from lgmd2jax.alarms._starts import AlarmDescent, AlarmStarts, Contender, Screening, risk
+from lgmd2jax.alarms._starts import AlarmDescent, AlarmStarts, Candidate, Screening, risk
 from lgmd2jax.fitting import Free
 from lgmd2jax.fitting._free import check_free
 from lgmd2jax.fitting._search.search import TEMPERATURES, Search, check_counts
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 _PARENTS = 8  # of a generation
 _REACH = 0.1  # of the first generation, in the unit box; each of the next goes half as far
-_LEFT_OUT = 32  # sources at most, for each of which the choice is made anew without it
+_LEFT_OUT = 32  # sources at most, each of which is left out once
 
 
 def fit(
@@ -67,12 +67,12 @@ def fit(
     - `clips`: those of `load_labels`, or your own by `LabelledClip.of`.
     - `free`: which parameters may change, within which bounds; T_sp is always among them.
     - `key`: of the search's random points. The same key gives the same fit.
-    - `miss`, `false_alarm`: what it costs to miss a window, and to break the silence of a clip, or of each five seconds
-      or so of a long one.
+    - `miss`, `false_alarm`: the cost of a missed window, and of false alarms in a clip, or in each five seconds or so
+      of a long one.
     - `recorded`: what all recorded clips, those that have a source, weigh together, as a multiple of the rendered ones;
       by default each error counts alike, times the weight of its clip.
     - `pixel_points`, `cell_points`, `descend`, `temperatures`, `max_steps`: as for `lgmd2jax.fit`.
-    - `generations`: of the search near the best, each a quarter of the pixel points; 0 for none, as for `descend`.
+    - `generations`: of the search near the best, each a quarter of the pixel points; it and `descend` may be 0.
     - `progress`: show a bar.
     - `memory`: a mapping that keeps finished work; given again, the fit goes on from there. That of another fit is
       refused.
@@ -114,23 +114,25 @@ def fit(
     total = pixel_points + generations * children + min(descend, pixel_points) + len(events_of)
     digest = "" if memory is None else fingerprint((starts, generations))
     with Work({} if memory is None else memory, progress, client, digest=digest, total=total) as work:
-        anywhere = starts.screenings(work.do("screening", starts.screen, range(pixel_points), starts.compile_screening))
-        best = {number: screening.best for number, screening in anywhere.items()}
+        screenings = starts.screenings(
+            work.do("screening", starts.screen, range(pixel_points), starts.compile_screening)
+        )
+        best = {number: screening.best for number, screening in screenings.items()}
         for generation in range(generations):
             parents = sorted(best.values(), key=risk)[:_PARENTS]
             task = partial(starts.near, [parent.z for parent in parents], _REACH / 2**generation)
             numbers = range(len(best), len(best) + children)
-            best |= _contenders(work.do(f"generation {generation + 1}", task, numbers))
+            best |= _candidates(work.do(f"generation {generation + 1}", task, numbers))
         chosen = sorted(best, key=lambda number: risk(best[number]))[:descend]
         task = partial(starts.descend, {number: best[number] for number in chosen})
-        descents = _contenders(work.do("descending", task, chosen, search.compile_descent))
-        # Generations and descents saw all clips: a choice without a source sets out from what was looked at anywhere.
+        descents = _candidates(work.do("descending", task, chosen, search.compile_descent))
+        # Generations and descents saw all clips: a choice without a source begins with the screened points.
         without = {
-            source: min((screening.best_without[source] for screening in anywhere.values()), key=risk)
+            source: min((screening.best_without[source] for screening in screenings.values()), key=risk)
             for source in events_of
         }
         task = partial(starts.leave_out, without, [_REACH / 2**generation for generation in range(generations)])
-        left_out = _contenders(work.do("leaving out", task, events_of))
+        left_out = _candidates(work.do("leaving out", task, events_of))
         stopped = work.stop.is_set()
     winner = min([*best.values(), *descents.values()], key=risk)
     recorded_clips = [clip for clip in clips if clip.source is not None]
@@ -142,15 +144,15 @@ def fit(
         cost=winner.cost,
         margin=winner.margin,
         evaluation=evaluate(fitted, clips),
-        screened=sum(screening.count for screening in anywhere.values()),
-        right=sum(screening.right for screening in anywhere.values()),
-        ranges=_ranges(problem, tuple(anywhere.values())),
+        screened=sum(screening.count for screening in screenings.values()),
+        right=sum(screening.right for screening in screenings.values()),
+        ranges=_ranges(problem, tuple(screenings.values())),
         descended=tuple(
             AlarmDescent(number, best[number].margin, after.margin, after.cost) for number, after in descents.items()
         ),
         without={
-            names[source]: evaluate(_model_at(model, free, contender), recorded_clips)
-            for source, contender in left_out.items()
+            names[source]: evaluate(_model_at(model, free, candidate), recorded_clips)
+            for source, candidate in left_out.items()
         },
         stopped=stopped,
     )
@@ -165,27 +167,27 @@ def _sources(clips: Sequence[LabelledClip]) -> dict[str, list[int]]:
     return sources
 
 
-def _model_at(model: LGMD2, free: Free, contender: Contender) -> LGMD2:
-    """The model with the parameters of a contender."""
-    parameters, _ = free.insert(model.parameters, Observation(), np.array(contender.z))
+def _model_at(model: LGMD2, free: Free, candidate: Candidate) -> LGMD2:
+    """The model with the parameters of a candidate."""
+    parameters, _ = free.insert(model.parameters, Observation(), np.array(candidate.z))
     return dataclasses.replace(model, parameters=parameters)
 
 
-def _contenders(results: Mapping[int, Result]) -> dict[int, Contender]:
+def _candidates(results: Mapping[int, Result]) -> dict[int, Candidate]:
     """The best of each task, from its plain data."""
-    return {number: Contender.of(plain["best"]) for number, plain in results.items()}
+    return {number: Candidate.of(plain["best"]) for number, plain in results.items()}
 
 
 def _check(model: LGMD2, clips: Sequence[LabelledClip], weights: dict[str, float | int]) -> None:
     if not clips:
         raise ValueError("clips is empty; give at least one")
     if not any(clip.windows for clip in clips):
-        raise ValueError("no clip has a window in which an alarm is wanted; then a model that never fires would do")
+        raise ValueError("no clip has a window, in which an alarm is wanted; give at least one")
     for name, weight in weights.items():
         if not (np.isfinite(weight) and weight > 0):
             raise ValueError(f"{name} is {weight!r}; give a positive weight")
     if float(model.parameters.N_sp) % 1:
-        raise ValueError(f"N_sp is {float(model.parameters.N_sp):g}; alarms count whole spikes: give a whole number")
+        raise ValueError(f"N_sp is {float(model.parameters.N_sp):g}; an alarm counts spikes: give a whole number")
 
 
 def _ranges(problem: AlarmProblem, screenings: Sequence[Screening]) -> dict[str, tuple[float, float]]:

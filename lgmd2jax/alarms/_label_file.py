@@ -173,7 +173,7 @@ def load_labels(source: str | Path) -> LabelFile:
     # before_ms = [1000, 0]     # instead of alarm: from so long before contact to so long before it
     # fps = 30, name = "crash", resize = 108, white = 4095, until_damage = true, grace_ms = 1000, settle = 10
 
-    [rendered]                  # clips without end; their label is the time to contact by geometry
+    [rendered]                  # clips to render; their label is the time to contact by geometry
     count = 100
     seed = 0
     world = "films"             # with the statistics of real films; "encounters" are objects before a screen
@@ -195,11 +195,11 @@ def label_file(path: Path, table: dict[str, Any]) -> LabelFile:
     check(LABELS, table)
     clips, rendering = table.get("clip", []), table.get("rendered")
     if not (clips or rendering):
-        raise ValueError("no clips; write each under [[clip]], or ask for some under [rendered]")
+        raise ValueError("there are no clips; list recorded ones under [[clip]], or ask for [rendered] ones")
     folder = path.parent.resolve()
     for number, clip in enumerate(clips):
         if not (place := folder / clip["file"]).exists():
-            raise ValueError(f"clip[{number}].file: there is no {place}; labels need their clip")
+            raise ValueError(f"clip[{number}].file: there is no {place}; give a path from the folder of this file")
         if {"alarm", "before_ms"} <= clip.keys():
             raise ValueError(f"clip[{number}]: alarm and before_ms are both given; give one")
     return LabelFile(
@@ -246,7 +246,7 @@ class _Opened(NamedTuple):
         check_stretches(name, last, {kind: table.get(kind) or [] for kind in ("alarm", "silent")}, contact)
         if (before := table.get("before_ms")) is not None:
             if contact is None:
-                raise ValueError(f"{name}: before_ms counts from contact, which is not given; give its frame")
+                raise ValueError(f"{name}: before_ms counts back from contact, which is missing; give its frame")
             if not before[0] > before[1]:
                 raise ValueError(f"{name}: before_ms is {before!r}; give two times before contact, as [1000, 0]")
 
@@ -262,7 +262,7 @@ class _Opened(NamedTuple):
         return LabelledClip(**vars(self._labels(film)), frames=film.frames)
 
     def judged(self, model: LGMD2) -> tuple[ClipLabels, Float[np.ndarray, " time"], Drive]:
-        """The labels of the clip, the evidence and what acts on the cell in its frames, which are let go one by one."""
+        """The labels of the clip, the evidence and what acts on the cell in its frames, which are freed one by one."""
         clip = self.clip.without_repeats() if self.drops_duplicates else self.clip
         film, trace, drive = streamed_evidence(model, clip)
         return self._labels(film), trace, drive

@@ -18,7 +18,7 @@ from lgmd2jax.alarms._pieces import pieces
 from lgmd2jax.fitting import Free
 from lgmd2jax.fitting._search.space import Space
 
-# Shortfalls are counted from a margin that no model has, U' lying in [.5, 1), so that the descent never rests.
+# Shortfalls are counted from a margin that no model reaches, U' lying in [.5, 1): the descent always has a slope.
 _GOAL = 0.25
 _SMOOTH = 0.02  # at temperature 1: within so much of U' frames count alike in a soft maximum
 
@@ -114,7 +114,7 @@ def problem_of(
 ) -> AlarmProblem:
     """The problem of labelled clips.
 
-    **Arguments:** `miss`, `false_alarm`: what it costs to miss a window, and to break the silence of a piece of a clip.
+    **Arguments:** `miss`, `false_alarm`: the cost of a missed window, and of false alarms in a piece of a clip.
     `recorded`: what all errors on recorded clips weigh together, as a multiple of all those on rendered ones.
     """
     parts = [(number, piece) for number, clip in enumerate(clips) for piece in pieces(clip)]

@@ -26,7 +26,7 @@ from lgmd2jax.fitting._sections import free_of, model_of
 class AlarmRecipe:
     """A fit of alarms to be made: the model, what is free, and the file of labelled clips.
 
-    - `weights`: what it costs to miss a window, and to break a silence; what recorded clips weigh together.
+    - `weights`: the cost of a missed window and of a false alarm; what recorded clips weigh together.
     - `validation`: which clips to render, with a seed that the fit does not use, for the score of the report.
     - `table`: the file's content.
     """
@@ -92,9 +92,9 @@ def alarm_recipe(path: Path, table: dict[str, Any]) -> AlarmRecipe:
     file = load_labels(beside(path, table["protocol"]))
     held_out = Rendering(**table["validation"]) if "validation" in table else None
     if held_out is not None and file.rendered is not None and held_out.seed == file.rendered.seed:
-        raise ValueError(f"validation.seed = {held_out.seed}: the fitted clips have the same seed; give another one")
+        raise ValueError(f"validation.seed = {held_out.seed}: the fitted clips have this seed too; give another one")
     if "urgency" in table and held_out is None:
-        raise ValueError("urgency is asked for without [validation]: nothing would say whether it holds; add it")
+        raise ValueError("[urgency] needs [validation], whose clips show whether it holds; add it")
     return AlarmRecipe(
         name=path.stem,
         model=model_of(table, file.eye),

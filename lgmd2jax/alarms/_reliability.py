@@ -9,7 +9,7 @@ from jaxtyping import Bool, Float, Int
 from lgmd2jax.alarms._counts import Share
 
 _BINS = 10
-_ROWS = 16  # of a table of what came true
+_ROWS = 16  # of a table of calibration
 _RESAMPLES = 400
 _LARGEST_LOGIT = 30.0  # beyond it a probability is 0 or 1 in print
 _RIDGE = 1e-6  # keeps the weights finite where the outcomes can be told apart without error
@@ -17,18 +17,18 @@ _RIDGE = 1e-6  # keeps the weights finite where the outcomes can be told apart w
 
 @dataclasses.dataclass(frozen=True)
 class Reliability:
-    """What was foretold against what happened, over frames of clips, with 95 % intervals.
+    """What was predicted against what happened, over frames of clips, with 95 % intervals.
 
     Frames of a clip go together, so that the intervals are those over clips: of `observed` and `brier` by resampling
     clips, of `slope` and `intercept` by the sandwich over clips.
 
-    - `foretold`: the mean probability in each bin of a tenth; `observed`: how often contact followed; `frames`: how
+    - `predicted`: the mean probability in each bin of a tenth; `observed`: how often contact followed; `frames`: how
       many there are in it. Empty bins are left out.
     - `brier`: the mean squared error of the probability; `brier_of_the_mean`: of one that never changes.
-    - `slope`, `intercept`: of the true log-odds on the foretold ones; 1 and 0 where they are calibrated.
+    - `slope`, `intercept`: of the true log-odds on the predicted ones; 1 and 0 where they are calibrated.
     """
 
-    foretold: Float[np.ndarray, " bin"]
+    predicted: Float[np.ndarray, " bin"]
     observed: tuple[Share, ...]
     frames: Int[np.ndarray, " bin"]
     brier: Share
@@ -54,7 +54,7 @@ class Reliability:
             np.add.at(sums, (group, bins), values)
             return sums
 
-        count, hits, foretold, squares = map(total, (1.0, happens, probability, square))
+        count, hits, predicted, squares = map(total, (1.0, happens, probability, square))
         drawn = np.random.default_rng(0).integers(0, len(count), (_RESAMPLES, len(count)))
         weights = np.stack([np.bincount(row, minlength=len(count)) for row in drawn]).astype(float)
         present = count.sum(axis=0) > 0
@@ -66,7 +66,7 @@ class Reliability:
         observed = hits.sum(axis=0)[present] / frames
         intercept, slope = _recalibration(probability, happens, group)
         return cls(
-            foretold=foretold.sum(axis=0)[present] / frames,
+            predicted=predicted.sum(axis=0)[present] / frames,
             observed=tuple(map(Share, observed.tolist(), low.tolist(), high.tolist())),
             frames=frames.astype(int),
             brier=Share(float(square.mean()), *map(float, np.percentile(brier, [2.5, 97.5]))),
@@ -96,26 +96,26 @@ def logistic_fit(x: Float[np.ndarray, "row column"], happens: Bool[np.ndarray, "
     return [float(found[0] - weights @ mean), *map(float, weights)]
 
 
-def came_true(
-    said: Float[np.ndarray, " frame"], happens: Bool[np.ndarray, " frame"]
+def calibration_table(
+    predicted: Float[np.ndarray, " frame"], happens: Bool[np.ndarray, " frame"]
 ) -> tuple[Float[np.ndarray, " row"], Float[np.ndarray, " row"]]:
-    """How often that comes true which is said, by isotonic regression: a table whose columns rise.
+    """Predicted probability and observed frequency, by isotonic regression: a table whose columns rise.
 
-    Each row stands for frames of which as many contacts are foretold, so that the rows of high probability, which are
-    of few frames, are known as well as the others.
+    Each row stands for frames with the same number of predicted contacts, so that rows of high probability, which have
+    few frames, are known as well as the others.
     """
-    order = np.argsort(said)
-    said, happens = said[order], happens[order]
-    mass = np.cumsum(said)
+    order = np.argsort(predicted)
+    predicted, happens = predicted[order], happens[order]
+    mass = np.cumsum(predicted)
     row = np.minimum((mass / mass[-1] * _ROWS).astype(int), _ROWS - 1)
-    frames, foretold, contacts = (np.bincount(row, weights, _ROWS) for weights in (None, said, happens))
+    frames, mass, contacts = (np.bincount(row, weights, _ROWS) for weights in (None, predicted, happens))
     known = frames > 0
     share = contacts[known] / frames[known]
-    return foretold[known] / frames[known], scipy.optimize.isotonic_regression(share, weights=frames[known]).x
+    return mass[known] / frames[known], scipy.optimize.isotonic_regression(share, weights=frames[known]).x
 
 
 def _recalibration(probability, happens, group) -> tuple[Share, Share]:
-    """Intercept and slope of the true log-odds on the foretold ones, with intervals by the sandwich over clips."""
+    """Intercept and slope of the true log-odds on the predicted ones, with intervals by the sandwich over clips."""
     z = np.clip(scipy.special.logit(probability), -_LARGEST_LOGIT, _LARGEST_LOGIT)
     weights = np.array(logistic_fit(z[:, None], happens))
     design = np.column_stack([np.ones(len(z)), z])

@@ -24,7 +24,7 @@ class AlarmFit:
     - `cost`: the weight of what it gets wrong; 0 where it is right on all clips.
     - `margin`: how far T_sp may move, up or down, before a verdict changes, in units of U'.
     - `evaluation`: what it does on the clips.
-    - `screened`, `right`: how many parameter sets were tried anywhere within the bounds, and how many of them were
+    - `screened`, `right`: how many parameter sets were drawn within the bounds, and how many of them were
       right on all clips.
     - `ranges`: between which values each parameter lay in those.
     - `descended`: the best starts, and what descending brought.
@@ -50,7 +50,7 @@ class AlarmFit:
     def left_out(self) -> dict[str, int]:
         """For each recorded clip how much a set gets wrong on it that was searched and chosen without its source.
 
-        Each missed window counts, and a broken silence once. Clips in which nothing is judged are left out.
+        Each missed window counts, and a silence with false alarms once. Clips in which nothing is judged are left out.
         """
         wrong = {}
         for source, evaluation in self.without.items():
@@ -73,8 +73,8 @@ class AlarmFit:
     ) -> list[Section]:
         """The report's sections.
 
-        **Arguments:** `held_out`: what models do on clips that the fit did not see. `unfinished`: what is still to
-        come, each in a few words. `comparisons`: with plain detectors, each on the clips that its title names.
+        **Arguments:** `held_out`: what models do on held-out clips. `unfinished`: what is still to come, each in a few
+        words. `comparisons`: with plain detectors, each on the clips that its title names.
         """
         return [
             *unfinished_section(unfinished),

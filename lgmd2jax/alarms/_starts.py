@@ -16,13 +16,13 @@ from lgmd2jax.fitting._search.search import Search
 
 _SLACK = 0.02  # of U': an event so near to T_sp is at risk
 _CLOSER = 3  # looks at cells around the best so far, each half as far as the one before
-_ANYWHERE = 0.2  # how far the first of them goes after a look anywhere, in the unit box
+_ANYWHERE = 0.2  # how far the first of them goes after the screening, in the unit box
 _AFTER_DESCENT = 0.05  # and after a descent
 _MOVED = 0.6  # of the pixels' parameters, by chance
 
 
 @dataclasses.dataclass(frozen=True)
-class Contender:
+class Candidate:
     """A point of the unit box with the T_sp that suits it best, as the hard model judges it.
 
     - `z`: the point, T_sp included. `threshold`: T_sp. `peaks`: the largest evidence in each event.
@@ -37,28 +37,28 @@ class Contender:
     margin: float
 
     @classmethod
-    def of(cls, plain: Mapping[str, Any]) -> "Contender":
+    def of(cls, plain: Mapping[str, Any]) -> "Candidate":
         """From plain data, as JSON gives it back."""
         return cls(**{**plain, "z": tuple(plain["z"]), "peaks": tuple(plain["peaks"])})
 
 
-def risk(contender: Contender) -> float:
-    """What the best contender has least of."""
-    return contender.loss
+def risk(candidate: Candidate) -> float:
+    """What the best candidate has least of."""
+    return candidate.loss
 
 
 @dataclasses.dataclass(frozen=True)
 class Screening:
-    """What became of a point anywhere.
+    """What the screening of a point found.
 
-    - `best`: the contender at least risk. `best_without`: the same without the events of a source, by its number, among
+    - `best`: the candidate at least risk. `best_without`: the same without the events of a source, by its number, among
       cells that were chosen without them too.
-    - `count`, `right`: how many cells were tried anywhere, and how many of them were right on all clips.
+    - `count`, `right`: how many cells were drawn, and how many of them were right on all clips.
     - `ends`: lowest and highest values of these, in the unit box; None where none was right.
     """
 
-    best: Contender
-    best_without: Mapping[int, Contender]
+    best: Candidate
+    best_without: Mapping[int, Candidate]
     count: int
     right: int
     ends: Sequence[Sequence[float]] | None
@@ -95,7 +95,7 @@ class AlarmStarts:
         self._best_of(point, sums_at(self.search.space, point), self._cells(0), self._all)
 
     def screen(self, number: int, stop: Stop) -> Result:
-        """A point of the pixels' parameters, anywhere.
+        """Screen a point of the pixels' parameters.
 
         Its first cells alone tell how many are right: those near the best say nothing of how large the region is.
         """
@@ -106,15 +106,15 @@ class AlarmStarts:
         without = [self._best(point, cells, peaks, ~own)[0] for own in self.left_out.values()]
         region = self._region(point, cells[right], len(cells))
         best = self._closer(best, sums, _ANYWHERE, number, self._all)
-        return {**self._plain(best), "without": [dataclasses.asdict(contender) for contender in without], **region}
+        return {**self._plain(best), "without": [dataclasses.asdict(candidate) for candidate in without], **region}
 
     def near(self, parents: Sequence[Sequence[float]], reach: float, number: int, stop: Stop) -> Result:
         """A point near a parent, with cells near the parent's."""
         parent = np.array(parents[number % len(parents)])
         return self._plain(self._near(parent, reach, number, (number,), self._all))
 
-    def leave_out(self, chosen: Mapping[int, Contender], reaches: Sequence[float], source: int, stop: Stop) -> Result:
-        """The best contender without a source's events, near the one `chosen` without them: no step sees the source.
+    def leave_out(self, chosen: Mapping[int, Candidate], reaches: Sequence[float], source: int, stop: Stop) -> Result:
+        """The best candidate without a source's events, near the one `chosen` without them: no step sees the source.
 
         `reaches`: how far, in turn, the pixels of the best so far are moved.
         """
@@ -124,8 +124,8 @@ class AlarmStarts:
             best = min(best, self._near(np.array(best.z), reach, source, (source, turn), among), key=risk)
         return self._plain(best)
 
-    def descend(self, chosen: Mapping[int, Contender], number: int, stop: Stop) -> Result:
-        """The best contender that the hard model judged on the way to larger margins."""
+    def descend(self, chosen: Mapping[int, Candidate], number: int, stop: Stop) -> Result:
+        """The best candidate that the hard model judged on the way to larger margins."""
         best, z = chosen[number], np.array(chosen[number].z)
         for temperature in self.search.temperatures:
             if stop is not None and stop.is_set():
@@ -152,7 +152,7 @@ class AlarmStarts:
         number: int,
         draw: tuple[int, ...],
         among: Bool[np.ndarray, " event"],
-    ) -> Contender:
+    ) -> Candidate:
         """The best for some of the events of a point near a parent, with cells near the parent's.
 
         `draw`: which of all such moves it is.
@@ -171,28 +171,28 @@ class AlarmStarts:
         radius: float,
         number: int,
         among: Bool[np.ndarray, " event"],
-    ) -> Contender:
+    ) -> Candidate:
         """The best of these cells on the sums of a point's pixels, and of others ever closer around it."""
         sums = sums_at(self.search.space, point)
         best, _ = self._best_of(point, sums, cells, among)
         return self._closer(best, sums, radius, number, among)
 
     def _closer(
-        self, best: Contender, sums: tuple[Sums, ...], radius: float, number: int, among: Bool[np.ndarray, " event"]
-    ) -> Contender:
-        """The best of cells around a contender, ever closer, on the sums of its pixels."""
+        self, best: Candidate, sums: tuple[Sums, ...], radius: float, number: int, among: Bool[np.ndarray, " event"]
+    ) -> Candidate:
+        """The best of cells around a candidate, ever closer, on the sums of its pixels."""
         for closer in range(_CLOSER):
             around = self._around(np.array(best.z), radius / 2**closer, self.search.cells(number, closer))
             best = min(best, self._best_of(np.array(best.z), sums, around, among)[0], key=risk)
         return best
 
-    def _plain(self, best: Contender) -> Result:
+    def _plain(self, best: Candidate) -> Result:
         return {"best": dataclasses.asdict(best), "loss": best.loss}
 
     def _screening(self, plain: Result) -> Screening:
-        without = map(Contender.of, plain["without"])
+        without = map(Candidate.of, plain["without"])
         by_source = dict(zip(self.left_out, without, strict=True))
-        return Screening(Contender.of(plain["best"]), by_source, plain["count"], plain["right"], plain["ends"])
+        return Screening(Candidate.of(plain["best"]), by_source, plain["count"], plain["right"], plain["ends"])
 
     def _peaks(
         self, point: Float[np.ndarray, " free"], sums: tuple[Sums, ...], cells: Float[np.ndarray, "cell entry"]
@@ -205,7 +205,7 @@ class AlarmStarts:
         sums: tuple[Sums, ...],
         cells: Float[np.ndarray, "cell entry"],
         among: Bool[np.ndarray, " event"],
-    ) -> tuple[Contender, Bool[np.ndarray, " cell"]]:
+    ) -> tuple[Candidate, Bool[np.ndarray, " cell"]]:
         return self._best(point, cells, self._peaks(point, sums, cells), among)
 
     def _best(
@@ -214,7 +214,7 @@ class AlarmStarts:
         cells: Float[np.ndarray, "cell entry"],
         peaks: Float[np.ndarray, "cell event"],
         among: Bool[np.ndarray, " event"],
-    ) -> tuple[Contender, Bool[np.ndarray, " cell"]]:
+    ) -> tuple[Candidate, Bool[np.ndarray, " cell"]]:
         """The best cell for some of the events; and which cells are right on all of these."""
         problem = self.search.space
         parameter = problem.free.parameters[problem.threshold]
@@ -223,7 +223,7 @@ class AlarmStarts:
         place, z = int(choice.risk.argmin()), np.array(point)
         z[list(problem.cell_entries)] = cells[place]
         z[problem.threshold] = float(parameter.place(choice.threshold[place]))
-        best = Contender(
+        best = Candidate(
             z=tuple(z.tolist()),
             peaks=tuple(peaks[place].tolist()),
             loss=float(choice.risk[place]),

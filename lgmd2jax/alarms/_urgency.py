@@ -16,9 +16,9 @@ from lgmd2jax._handover.model_file import calibrate, calibration_of
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._network.stages import Response
 from lgmd2jax.alarms._clip import ClipLabels, LabelledClip
-from lgmd2jax.alarms._reliability import Reliability, came_true, logistic_fit
+from lgmd2jax.alarms._reliability import Reliability, calibration_table, logistic_fit
 
-_TAU_MS = 250.0  # over which the potential is averaged: shorter and longer foretold no better
+_TAU_MS = 250.0  # over which the potential is averaged: shorter and longer averages predicted no better
 _FOLDS = 5  # of clips, each judged by the table of the others
 _SETTLE = 10  # frames at the beginning of a clip, in which the network comes to rest
 
@@ -30,15 +30,15 @@ class Urgency:
     ```python
     urgency = lgmd.alarms.fit_urgency(model, clips, within_ms=500)
     urgency(model, model(frames, fps), interval)   # a probability for each frame
-    urgency.save("mine/model.json")                # hard.py then tells it in every step
+    urgency.save("mine/model.json")                # hard.py then computes it in every step
     ```
 
     It holds for scenes in which contact is as frequent as in the clips that it was fitted on.
 
     - `within_ms`: the time asked for. `tau_ms`: over which the level is averaged.
-    - `foretold`, `observed`: a table of what the logistic function says, rising, and how often it came true, between
-      whose rows it is interpolated; empty for none.
-    - `intercept`, and the weights of `smp_adapted`: U' - .5; `level`: the average of U of late, less .5; `rise`: U less
+    - `predicted`, `observed`: a calibration table, rising and interpolated: what the logistic function says, and how
+      often contact followed; empty for none.
+    - `intercept`, and the weights of `smp_adapted`: U' - .5; `level`: the average of recent U, less .5; `rise`: U less
       that average; `inhibition`: Fbar/(Fbar + T), T being T_ffi or A_ffi.
     """
 
@@ -49,7 +49,7 @@ class Urgency:
     level: float
     rise: float
     inhibition: float
-    foretold: tuple[float, ...] = ()
+    predicted: tuple[float, ...] = ()
     observed: tuple[float, ...] = ()
 
     def __call__(
@@ -57,43 +57,43 @@ class Urgency:
     ) -> Float[Array, " time"]:
         """The probability in each frame of a clip. `interval`: ms since the frame before."""
         weights = jnp.array([getattr(self, name) for name in hard.EVIDENCE])
-        foretold = jax.nn.sigmoid(self.intercept + _evidence(model, response, interval, self.tau_ms) @ weights)
-        if not self.foretold:
-            return foretold
-        return jnp.interp(foretold, jnp.asarray(self.foretold), jnp.asarray(self.observed))
+        predicted = jax.nn.sigmoid(self.intercept + _evidence(model, response, interval, self.tau_ms) @ weights)
+        if not self.predicted:
+            return predicted
+        return jnp.interp(predicted, jnp.asarray(self.predicted), jnp.asarray(self.observed))
 
     def reliability(self, model: LGMD2, clips: Sequence[LabelledClip]) -> Reliability:
-        """Whether what it says of clips comes true, frame by frame.
+        """Predicted probability against observed frequency, frame by frame.
 
-        **Raises:** `ValueError` for clips of which none tells whether something is hit.
+        **Raises:** `ValueError` for clips of which none has a frame of contact.
         """
-        said, happens, clip = self._said(model, clips)
-        return Reliability.of(np.interp(said, self.foretold, self.observed) if self.foretold else said, happens, clip)
+        said, happens, clip = self._predicted(model, clips)
+        return Reliability.of(np.interp(said, self.predicted, self.observed) if self.predicted else said, happens, clip)
 
     def recalibrated(self, model: LGMD2, clips: Sequence[LabelledClip]) -> tuple["Urgency", Reliability]:
-        """With the table of what came true in clips that neither the model nor the urgency was fitted on.
+        """With a calibration table from clips that neither the model nor the urgency was fitted on.
 
         **Returns:** the urgency, and its reliability on the same clips: a fifth of them each is judged by the table of
         the others. Fewer than five clips make no table.
 
         **Raises:** `ValueError` as `reliability`.
         """
-        said, happens, clip = self._said(model, clips)
+        said, happens, clip = self._predicted(model, clips)
         known = np.unique(clip)
         if len(known) < _FOLDS:
-            return dataclasses.replace(self, foretold=(), observed=()), Reliability.of(said, happens, clip)
+            return dataclasses.replace(self, predicted=(), observed=()), Reliability.of(said, happens, clip)
         fold, probability = np.searchsorted(known, clip) % _FOLDS, np.empty_like(said)
         for number in range(_FOLDS):
             own = fold == number
-            probability[own] = np.interp(said[own], *came_true(said[~own], happens[~own]))
-        foretold, observed = (tuple(column.tolist()) for column in came_true(said, happens))
+            probability[own] = np.interp(said[own], *calibration_table(said[~own], happens[~own]))
+        predicted, observed = (tuple(column.tolist()) for column in calibration_table(said, happens))
         found = Reliability.of(probability, happens, clip)
-        return dataclasses.replace(self, foretold=foretold, observed=observed), found
+        return dataclasses.replace(self, predicted=predicted, observed=observed), found
 
-    def _said(
+    def _predicted(
         self, model: LGMD2, clips: Sequence[LabelledClip]
     ) -> tuple[Float[np.ndarray, " frame"], Bool[np.ndarray, " frame"], Int[np.ndarray, " frame"]]:
-        """By the logistic function, whether it came true, and the number of the clip."""
+        """The probability by the logistic function, whether contact followed, and the number of the clip."""
         evidence, happens, clip = _judged(model, clips, self.within_ms, self.tau_ms)
         weights = np.array([getattr(self, name) for name in hard.EVIDENCE])
         return scipy.special.expit(self.intercept + evidence @ weights), happens, clip
@@ -104,14 +104,14 @@ class Urgency:
 
 
 def load_urgency(path: str | os.PathLike) -> Urgency | None:
-    """What a hand-over file says of urgency; None where it says nothing.
+    """The urgency of a hand-over file; None where it has none.
 
     **Raises:** as `lgmd2jax.load`.
     """
     table: Mapping[str, Any] | None = calibration_of(path).get("urgency")
     if table is None:
         return None
-    values: dict[str, Any] = {name: tuple(table.get(name, ())) for name in hard.CAME_TRUE}
+    values: dict[str, Any] = {name: tuple(table.get(name, ())) for name in hard.CALIBRATION}
     return Urgency(**{**table, **values})
 
 
@@ -121,7 +121,7 @@ def fit_urgency(
     """Calibrate the urgency on labelled clips, by logistic regression over their frames.
 
     A frame counts as one before contact where its clip's `contact` follows within the time asked for. Frames from
-    contact on are left out, and so are clips with an alarm window that do not say when something is hit.
+    contact on are left out, and so are clips with an alarm window without a frame of contact.
 
     **Raises:** `ValueError` for times that are not positive, and for clips in which contact never or always follows.
     """
@@ -152,7 +152,7 @@ def _judged(
         evidence = np.asarray(_evidence(model, response, clip.interval, tau_ms))[judged]
         parts.append((evidence, left[judged] <= within_ms, np.full(judged.sum(), number)))
     if not parts or not sum(len(happens) for _, happens, _ in parts):
-        raise ValueError("no clip has a frame of contact; give one as contact")
+        raise ValueError("no clip has a frame of contact; label it: contact = FRAME")
     evidence, happens, numbers = map(np.concatenate, zip(*parts, strict=True))
     return evidence, happens, numbers
 

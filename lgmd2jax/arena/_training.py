@@ -16,7 +16,7 @@ from lgmd2jax.arena._detectors import AbstractDetector, FrameDifference, Network
 from lgmd2jax.arena._layout import Layout
 from lgmd2jax.arena._run import Start, run, trips
 from lgmd2jax.arena._scores import Outcome
-from lgmd2jax.fitting._free import between
+from lgmd2jax.fitting._bounds import between
 
 FIRST_SEED = 1_000_000  # of the arenas for training; those judged count from 0
 LEAST_COVERAGE = 0.75  # of that without a detector; a quarter of it may be lost, as what is asked for leaves 30 %

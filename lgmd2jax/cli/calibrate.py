@@ -29,7 +29,7 @@ def run(options: argparse.Namespace) -> None:
         cure = "give the recipe by which it was fitted"
         check_eyes(eye, f"the model in {folder}", recipe.file.eye, f"the recipe {options.recipe}", cure)
     if recipe.validation is None:
-        raise ValueError(f"{options.recipe} has no [validation]: nothing would say whether the urgency holds; add it")
+        raise ValueError(f"{options.recipe} has no [validation], whose clips show whether the urgency holds; add it")
     within_ms = given or recipe.within_ms or _WITHIN_MS
     if within_ms < (frame_ms := 1000 / recipe.file.eye.fps):
         raise ValueError(f"within {within_ms:g} ms is less than a frame, {frame_ms:.3g} ms; was it meant in s?")

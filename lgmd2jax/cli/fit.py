@@ -2,7 +2,6 @@
 
 import argparse
 import dataclasses
-import importlib
 import re
 import time
 from collections.abc import Iterable
@@ -54,6 +53,12 @@ def run(options: argparse.Namespace) -> None:
     print(f"\nwrote {folder}/ in {time.monotonic() - start:.0f} s; open {folder}/report.html")
 
 
+def _ready_to_draw() -> None:
+    from lgmd2jax._figures.style import warm_up  # with matplotlib, which takes half a second too
+
+    warm_up()
+
+
 def _fit_animals(options: argparse.Namespace, recipe: Recipe, folder: Path, start: float) -> None:
     """Make one fit an animal, each in a folder of its own, and what holds over them."""
     folder.mkdir(exist_ok=True)
@@ -93,9 +98,9 @@ def _fit_curves(options: argparse.Namespace, recipe: Recipe, folder: Path, start
     if recipe.samples:
         check_packages()
     digest = recipe.digest()
-    # XLA leaves one core to the pool: it loads matplotlib beside the search, and draws beside what follows.
+    # XLA leaves one core to the pool: it makes matplotlib ready beside the search, and draws beside what follows.
     with kept_work(folder, digest, options.resume) as memory, ThreadPoolExecutor(1) as pool:
-        pool.submit(importlib.import_module, "lgmd2jax._figures.fit")
+        pool.submit(_ready_to_draw)
         print(f"fitting {', '.join(recipe.free.names)} to {len(recipe.pairs)} conditions of {recipe.name}", flush=True)
         fit = recipe.run(progress=True, memory=memory)
         notes, provenance = records(recipe, digest, start, folder)

@@ -27,20 +27,20 @@ from lgmd2jax.alarms import (
     evaluate,
     load_labels,
 )
-from lgmd2jax.alarms._detectors import MODEL, TABLE_I, WORDS
+from lgmd2jax.alarms._detectors import MODEL, TABLE_I, TITLES
 from lgmd2jax.cli.recipe_results import check_eyes, clips_bar, folder_of, kept_work, records, write_stopped
 
-_HELD_OUT = "the scores on clips that the fit did not see"
+_HELD_OUT = "the scores on held-out clips"
 _URGENCY = "the urgency"
-_WITHOUT = "Each source of recorded clips, evaluated by a fit without it"
+_WITHOUT = "Recorded clips, each source judged by a fit without it"
 _TRAINING = 200  # fitted clips on which detectors choose their thresholds
 
 
 def check_options(options: argparse.Namespace) -> None:
-    """Raise `ValueError` for options about clips of one's own that say nothing, or contradict each other."""
+    """Raise `ValueError` for options about own clips that have no effect, or contradict each other."""
     for name, given in (("--clips-weight", options.clips_weight is not None), ("--clips-only", options.clips_only)):
         if given and options.clips is None:
-            raise ValueError(f"{name} is given, but no clips of your own; name their file: --clips FILE")
+            raise ValueError(f"{name} is given without clips of your own; name their file: --clips FILE")
     if options.clips_only and options.clips_weight is not None:
         raise ValueError("--clips-only leaves no other clips to weigh against; leave out --clips-weight")
     if options.clips_weight is not None and not (np.isfinite(options.clips_weight) and options.clips_weight > 0):
@@ -63,7 +63,7 @@ def run(options: argparse.Namespace, recipe: AlarmRecipe, start: float) -> None:
         alarms = sum(len(clip.windows) for clip in clips)
         print(f"fitting {', '.join(recipe.free.names)} to {len(clips)} clips with {alarms} alarms wanted", flush=True)
         if not any(clip.silent for clip in clips):
-            print("no clip has a silence, so that a model that always fires would be right", flush=True)
+            print("no clip has a silence, so that a model that always fires would be correct", flush=True)
         fit = recipe.run(clips, progress=True, memory=memory)
         left = [_HELD_OUT] if recipe.validation is not None or fit.without else []
         left += [] if recipe.within_ms is None else [_URGENCY]
@@ -105,11 +105,11 @@ def _comparisons(
     if held_out:
         own = _kept(memory, lambda some: {MODEL: evaluate(fit.model, some)}, "the model, held out", held_out)
         shown = {**own, **others("detectors, held out", held_out)}
-        scores = HeldOutScores.of({"fitted": shown[MODEL], **{WORDS[name]: shown[name] for name in TABLE_I}})
+        scores = HeldOutScores.of({"fitted": shown[MODEL], **{TITLES[name]: shown[name] for name in TABLE_I}})
         words, some, fitted = _training(fit, clips)
         if scores.minutes and fitted.silent_minutes:
             training = {MODEL: fitted, **others("detectors, fitted clips", some)}
-            title = f"Clips that the fit did not see: {scores.windows} windows, {scores.minutes:.1f} silent minutes"
+            title = f"Held-out clips: {scores.windows} windows, {scores.minutes:.1f} minutes of silence"
             comparisons[title] = Comparison.of(_detectors(shown), (words, training))
     recorded = np.array([clip.source is not None for clip in clips])
     if fit.without and fit.evaluation.among(recorded).silent_minutes:
@@ -125,7 +125,7 @@ def _training(fit: AlarmFit, clips: Sequence[LabelledClip]) -> tuple[str, list[L
     chosen = rendered if rendered.any() else np.ones(len(clips), bool)
     chosen &= np.cumsum(chosen) <= _TRAINING
     some = [clip for clip, on in zip(clips, chosen, strict=True) if on]
-    return f"by {len(some)} of the fitted clips", some, fit.evaluation.among(chosen)
+    return f"{len(some)} of the fitted clips", some, fit.evaluation.among(chosen)
 
 
 def _kept(
@@ -134,7 +134,7 @@ def _kept(
     key: str,
     clips: Sequence[LabelledClip],
 ) -> dict[str, Evaluation]:
-    """What detectors do on clips: judged once, then taken from the memory, so that a fit goes on with it."""
+    """What detectors do on clips: judged once, then taken from the memory, so that a fit continues it."""
     if key not in memory:
         memory[key] = {
             name: {"T_sp": each.T_sp, "evidence": [trace.tolist() for trace in each.evidence]}

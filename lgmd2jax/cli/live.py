@@ -93,7 +93,7 @@ def moments(
             shape = shape_after(name, size, crop, cols, nearly_square(pixels.aspect))
         if pixels.size != size:
             new, old = (f"{rows} x {cols}" for rows, cols in (pixels.size, size))
-            raise ValueError(f"{name}: frame {arrival.number} has {new} pixels, those before {old}; start anew")
+            raise ValueError(f"{name}: frame {arrival.number} has {new} pixels, those before {old}; start again")
         interval = usual_ms if before is None else _interval(before, arrival)
         now_ms, before = now_ms + (0.0 if before is None else interval), arrival
         grey = pixels.grey(crop, shape)

@@ -86,7 +86,7 @@ class _Parser(argparse.ArgumentParser):
             "--no-compilation-cache",
             action="store_true",
             default=argparse.SUPPRESS,
-            help="neither read nor keep compiled programs, which let a second start begin sooner",
+            help="neither read nor keep compiled programs, which make later starts faster",
         )
 
     def error(self, message):

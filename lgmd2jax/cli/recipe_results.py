@@ -61,7 +61,7 @@ def kept_work(folder: Path, digest: str, resume: bool) -> Iterator[FileMemory]:
         except KeyboardInterrupt:
             if not memory:
                 raise
-            print("stopped; what is finished is kept: go on with --resume")
+            print("stopped; what is finished is kept: continue with --resume")
             raise SystemExit(130) from None
         memory.forget()
 
@@ -70,10 +70,10 @@ def write_stopped(folder: Path, write: Callable[[], None], summary: str) -> NoRe
     """Write the best of a search that was stopped, unless it would replace finished results, and end the command."""
     print(summary)
     if is_finished(folder):
-        print(f"\nstopped by hand; {folder}/ keeps the finished results of an earlier run: go on with --resume")
+        print(f"\nstopped by hand; {folder}/ keeps the finished results of an earlier run: continue with --resume")
     else:
         write()
-        print(f"\nstopped by hand; {folder}/ holds the best so far: go on with --resume")
+        print(f"\nstopped by hand; {folder}/ holds the best so far: continue with --resume")
     raise SystemExit(130)
 
 

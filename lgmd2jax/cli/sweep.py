@@ -26,7 +26,7 @@ def run(options: argparse.Namespace) -> None:
     try:
         surface = recipe.run(progress=True, store=folder / _STORE)
     except KeyboardInterrupt:
-        print(f"stopped; {folder / _STORE} keeps what is finished: run again to go on")
+        print(f"stopped; {folder / _STORE} keeps what is finished: run again to continue")
         raise SystemExit(130) from None
     if recipe.value is not None:
         from lgmd2jax._figures.sweep import surface_figure

@@ -25,7 +25,7 @@ def run(options: argparse.Namespace) -> None:
         check_packages()
     model = with_parameters(model_named(options.model), options.set)
     if not isinstance(model, LGMD2):
-        raise ValueError(f"{options.model} is no LGMD2; for another network use lgmd2jax respond")
+        raise ValueError(f"{options.model} is not an LGMD2; for another network use lgmd2jax respond")
     file = load_labels(options.labels)
     if model.eye is not None and model.eye.degrees_per_pixel != file.eye.degrees_per_pixel:
         print(

@@ -126,7 +126,7 @@ class Curve:
     ) -> tuple[Float[np.ndarray, " counted"], Float[np.ndarray, " counted"]]:
         counted, exposure = self.weight > 0, self.exposure
         if exposure is None:
-            raise ValueError(f"the target of {self.condition!r} is no count of spikes; give it an exposure")
+            raise ValueError(f"the target of {self.condition!r} is not a count of spikes; give it an exposure")
         means = np.maximum(bin_means(jnp.asarray(rate), jnp.asarray(counted)), LEAST_RATE)
         return self.target[counted] * exposure[counted], means[counted] * exposure[counted]
 

@@ -214,7 +214,7 @@ def _temperatures(model: AbstractNetwork, temperatures) -> tuple[float, ...]:
     if not temperatures or not all(np.isfinite(temperature) and temperature > 0 for temperature in temperatures):
         raise ValueError(f"temperatures is {temperatures}; give one or more positive numbers")
     if any(after >= before for before, after in pairwise(temperatures)):
-        raise ValueError(f"temperatures is {temperatures}; let them fall")
+        raise ValueError(f"temperatures is {temperatures}; give falling numbers")
     return temperatures
 
 

@@ -3,7 +3,7 @@
 import dataclasses
 import math
 from collections.abc import Iterator, Mapping
-from typing import Any, Literal, NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import equinox as eqx
 import jax
@@ -15,47 +15,9 @@ from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.parameters import Parameters, ParameterSet, Symbol, symbols
 from lgmd2jax._targets.observation import Observation, observation_symbols
 from lgmd2jax._words import nearest, warn_renamed
+from lgmd2jax.fitting._bounds import Linear, Log, Range, Scale, between, check_bounds
 
-
-@dataclasses.dataclass(frozen=True)
-class _Range:
-    """Bounds of one parameter; a bound that is None is the one declared with the parameter.
-
-    - `prior`: mean and standard deviation of what is known beforehand, in the parameter's unit; it acts as a penalty
-      beside data whose errors are known.
-    """
-
-    low: float | int | None = None
-    high: float | int | None = None
-    prior: tuple[float | int, float | int] | None = None
-
-
-class Linear(_Range):
-    """Bounds between which a fit measures differences: `Linear(1, 6)`, the same as the pair `(1, 6)`."""
-
-
-class Log(_Range):
-    """Bounds between which a fit measures factors: `Log(5, 50)`. Both bounds are positive."""
-
-
-Scale = Literal["linear", "log"]
 P = TypeVar("P", bound=ParameterSet)
-RANGES = {"linear": Linear, "log": Log}
-
-
-def between(low: Any, high: Any, scale: Scale, z: Any) -> Any:
-    """The value at z in [0, 1] between bounds."""
-    return low * (high / low) ** z if scale == "log" else low + (high - low) * z
-
-
-def check_bounds(name: str, low: float | int, high: float | int, scale: Scale) -> None:
-    """Raise `ValueError` for bounds between which there is no such scale."""
-    if not low < high:
-        raise ValueError(f"{name} has the bounds {low:g} and {high:g}; the first must be below the second")
-    if not (math.isfinite(low) and math.isfinite(high)):
-        raise ValueError(f"{name} has the bounds {low:g} and {high:g}; give finite ones")
-    if scale == "log" and low <= 0:
-        raise ValueError(f"{name} has the bound {low:g}; bounds on a logarithmic scale must be positive")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -120,7 +82,7 @@ class Free:
     domain, for priors without width, and for ties to what is tied itself.
     """
 
-    def __init__(self, **choices: "tuple[float | int, float | int] | _Range | Tie | None"):
+    def __init__(self, **choices: "tuple[float | int, float | int] | Linear | Log | Tie | None"):
         known = (kind for kind in _kinds() if choices.keys() <= _symbols(kind).keys())
         self._resolve(choices, next(known, Parameters))
 
@@ -199,7 +161,7 @@ class Free:
             if name in network.unused:
                 raise ValueError(f"{name} is free, but acts on nothing in this {type(network).__name__}; {_cure(name)}")
 
-    def also(self, **choices: "tuple[float | int, float | int] | _Range | Tie | None") -> "Free":
+    def also(self, **choices: "tuple[float | int, float | int] | Linear | Log | Tie | None") -> "Free":
         """These and further choices.
 
         **Raises:** `ValueError` as the class itself.
@@ -334,8 +296,8 @@ def _check_name(name: str, role: str, kind: type[ParameterSet]) -> None:
 
 def _free_parameter(name: str, choice, symbol: Symbol) -> FreeParameter:
     if choice is None:
-        choice = _Range()
-    elif not isinstance(choice, _Range):
+        choice = Range()
+    elif not isinstance(choice, Range):
         try:
             low, high = (float(bound) for bound in choice)
         except (TypeError, ValueError):

@@ -110,7 +110,7 @@ def check_approaches(pairs: Pairs) -> None:
     for stimulus, (target, *_) in pairs:
         if target.channel != "rate" or target.is_band or "l_over_v" not in stimulus.parameters:
             raise ValueError(
-                f"looming_law is true, but {stimulus.name!r} is no approach with a curve in 'rate'; leave it out"
+                f"looming_law is true, but {stimulus.name!r} is not an approach with a curve in 'rate'; leave it out"
             )
     if len({float(stimulus.parameters["l_over_v"]) for stimulus, _ in pairs}) < 2:
         raise ValueError("looming_law is true, but there is one l/|v| only; a line of peak times needs two")

@@ -1,6 +1,5 @@
 """The sections of a fit's report, in the manner of lmfit and iminuit."""
 
-import dataclasses
 import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -11,42 +10,19 @@ import scipy
 
 from lgmd2jax._channels import TARGETS, Channel
 from lgmd2jax._network.parameters import ParameterSet, symbols
-from lgmd2jax._reports.digits import measured, plain, rounded
+from lgmd2jax._reports.digits import measured, plain
 from lgmd2jax._reports.section import Section
 from lgmd2jax._targets.observation import Observation, observation_symbols
+from lgmd2jax.fitting._cells import interval_cell, r2_cell, unit_cell
 from lgmd2jax.fitting._curve import BAND_GRADES, DISAGREEMENT, GRADES, OF_COUNTS, Curve, Grade, Kind, tallies
 from lgmd2jax.fitting._free import Free
-from lgmd2jax.fitting._law_fit import LawComparison
 from lgmd2jax.fitting._residuals import residuals_of
 from lgmd2jax.fitting._run import Run
 from lgmd2jax.fitting._search.descent import FINAL
 from lgmd2jax.fitting._uncertainty.covariance import CONFIDENCE, Uncertainty
-from lgmd2jax.fitting._uncertainty.profile import Profile
-from lgmd2jax.fitting._uncertainty.score import Score
 
 _CHANCE = 1e-3  # of a chi2 as large as it is, below which the misfit is not consistent with the errors
-_CORRELATED, _MOST = 0.5, 10  # correlations from which, and how many, are told
-_PROMISING = 5  # fixed parameters that are told
-
-
-@dataclasses.dataclass(frozen=True)
-class Supplement:
-    """Results that a report tells besides the fit's own.
-
-    - `profiles`: the profile-likelihood interval of a parameter, by its name.
-    - `scores`: of the fixed parameters, what freeing each would promise, the best first.
-    - `left_out`: R2 of a condition, by its name, predicted by a fit to all others.
-    - `looming_law`: the looming law fitted to the same recordings.
-    - `truth`: the known values of a twin's parameters.
-    - `unfinished`: what is still to come, such as draws, each in a few words.
-    """
-
-    profiles: Mapping[str, Profile] = dataclasses.field(default_factory=dict)
-    scores: Sequence[Score] = ()
-    left_out: Mapping[str, float] = dataclasses.field(default_factory=dict)
-    looming_law: LawComparison | None = None
-    truth: Mapping[str, float] = dataclasses.field(default_factory=dict)
-    unfinished: tuple[str, ...] = ()
+_CORRELATED, _MOST = 0.5, 10  # from which a correlation has a row, and of how many
 
 
 def status(result: str, loss: float, u: Uncertainty, curves: Sequence[Curve]) -> tuple[str, ...]:
@@ -114,8 +90,8 @@ def free_section(
             (
                 name,
                 measured(values[name], error) if u.determined[i] and not u.reason else plain(values[name]),
-                _interval(u, i),
-                _unit(parameter.symbol.unit),
+                interval_cell(u, i),
+                unit_cell(parameter.symbol.unit),
                 plain(start[name]),
                 f"{parameter.low:g} .. {parameter.high:g}",
                 _flags(int(u.on_bound[i]), parameter.prior, name in nonlinear),
@@ -131,18 +107,6 @@ def _flags(side: int, prior: tuple[float, float] | None, nonlinear: bool) -> str
     return ", ".join(flags + (["nonlinear"] if nonlinear else []))
 
 
-def _interval(u: Uncertainty, i: int) -> str:
-    if u.reason:
-        return "unknown"
-    if not u.determined[i]:
-        return "undetermined"
-    return " .. ".join(rounded(float(end), float(u.values[i]), float(u.standard_errors[i])) for end in u.intervals[i])
-
-
-def _unit(unit: str) -> str:
-    return "" if unit == "1" else unit
-
-
 def given_section(
     free: Free, parameters: ParameterSet, observation: Observation, channels: Sequence[Channel]
 ) -> Section:
@@ -151,10 +115,10 @@ def given_section(
     for name, tie in free.ties.items():
         owner, symbol = (parameters, known[name]) if name in known else (observation, observation_symbols()[name])
         follows = tie.to if tie.factor == 1 else f"{tie.factor:g} {tie.to}"
-        rows.append((name, plain(float(getattr(owner, name))), _unit(symbol.unit), f"tied: {name} = {follows}"))
+        rows.append((name, plain(float(getattr(owner, name))), unit_cell(symbol.unit), f"tied: {name} = {follows}"))
     if "rate" in channels:
         rows += [
-            (name, plain(float(getattr(observation, name))), _unit(symbol.unit), "fixed")
+            (name, plain(float(getattr(observation, name))), unit_cell(symbol.unit), "fixed")
             for name, symbol in observation_symbols().items()
             if name not in free.names and name not in free.ties
         ]
@@ -182,9 +146,9 @@ def curve_section(curves: Sequence[Curve]) -> Section:
         (
             curve.condition,
             curve.channel,
-            *(_share(curve.r2(kind)) for kind in ("soft", "hard")),
+            *(r2_cell(curve.r2(kind)) for kind in ("soft", "hard")),
             *(f"{curve.rmse(kind):.3g}" for kind in ("soft", "hard", "silence")),
-            _unit(TARGETS[curve.channel].unit),
+            unit_cell(TARGETS[curve.channel].unit),
             f"{curve.gap:.1%}",
             curve.grade,
         )
@@ -206,7 +170,7 @@ def band_section(curves: Sequence[Curve]) -> Section:
             f"{(curve.weight > 0).sum()}",
             *(f"{curve.inside(kind):.1%}" for kind in ("soft", "hard", "silence")),
             f"{np.abs(curve.distance()[curve.weight > 0]).max():.3g}",
-            _unit(TARGETS[curve.channel].unit),
+            unit_cell(TARGETS[curve.channel].unit),
             f"{curve.gap:.1%}",
             curve.grade,
         )
@@ -237,7 +201,7 @@ def residual_section(curves: Sequence[Curve], kind: Kind) -> Section:
                 curve.channel,
                 f"{values.mean():+.3g}",
                 f"{values[largest]:+.3g}",
-                _unit(TARGETS[curve.channel].unit) if curve.exposure is None else "s.e. (deviance)",
+                unit_cell(TARGETS[curve.channel].unit) if curve.exposure is None else "s.e. (deviance)",
                 f"{time[largest]:.0f}",
                 "-" if math.isnan(lag) else f"{lag:+.2f}",
                 "-" if math.isnan(lag) else f"{rest.correlation_ms:.0f}",
@@ -250,33 +214,6 @@ def residual_section(curves: Sequence[Curve], kind: Kind) -> Section:
         "a longer correlation shows what the circuit does not follow.",
     )
     return Section(f"Residuals of the {kind} model", columns, tuple(rows), sentences)
-
-
-def score_section(scores: Sequence[Score], parameters: ParameterSet) -> Section:
-    """The fixed parameters that promise most."""
-    known = symbols(type(parameters)) | observation_symbols()
-    rows = tuple(
-        (
-            score.name,
-            _unit(known[score.name].unit),
-            plain(score.value),
-            f"{score.better:.3g}",
-            f"{score.decrease:.3g}",
-            f"{score.probability:.1g}",
-        )
-        for score in scores[:_PROMISING]
-    )
-    columns = ("fixed", "unit", "value|", "better|", "chi2 falls by|", "p|")
-    sentences = (
-        "A score test: to first order, with all free parameters following. p: how often chance alone lowers chi2 as "
-        "much. A long step keeps less than it promises: free the parameter and fit again.",
-    )
-    return Section("Fixed parameters that, freed, would lower chi2 most", columns, rows, sentences if rows else ())
-
-
-def _share(r2: float) -> str:
-    """R2; a target that does not vary has none."""
-    return "flat" if math.isnan(r2) else f"{r2:.3f}"
 
 
 def search_section(
@@ -303,74 +240,3 @@ def correlation_section(u: Uncertainty) -> Section:
     rows = tuple((other, name, f"{value:+.3f}") for name, other, value in pairs[:_MOST])
     more = (f"{len(pairs) - _MOST} more are above {_CORRELATED:g}.",) if len(pairs) > _MOST else ()
     return Section(f"Correlations above {_CORRELATED:g}", ("of", "and", "value|"), rows, more)
-
-
-def profile_section(profiles: Mapping[str, Profile], free: Free, u: Uncertainty) -> Section:
-    """Intervals by profile likelihood beside those of the table of free parameters."""
-    rows = []
-    for name, profile in profiles.items():
-        i = free.names.index(name)
-        low, high = (
-            "open" if is_open else rounded(end, float(u.values[i]), float(u.standard_errors[i]))
-            for end, is_open in zip(profile.interval, profile.is_open, strict=True)
-        )
-        rows.append((name, f"{low} .. {high}", _interval(u, i), _unit(free.parameters[i].symbol.unit)))
-    columns = ("parameter", "by profile|", f"as in the table, {CONFIDENCE:.0%}|", "unit")
-    is_open = any(end for profile in profiles.values() for end in profile.is_open)
-    sentences = ("Open: chi2 does not rise so far up to the bound.",) if is_open else ()
-    return Section("Profile-likelihood intervals", columns, tuple(rows), sentences)
-
-
-def left_out_section(left_out: Mapping[str, float]) -> Section:
-    """R2 of each condition by a fit to the others."""
-    rows = tuple((name, _share(r2)) for name, r2 in left_out.items())
-    return Section("Each condition predicted by a fit to all others", ("left out", "R2|"), rows)
-
-
-def law_section(law: LawComparison | None, curves: Sequence[Curve], left_out: Mapping[str, float]) -> Section:
-    """The network beside eta, which has five free numbers and knows the angle of the object."""
-    title = "Beside the looming law, seen through the same observation"
-    if law is None:
-        return Section(title)
-    hard = {curve.condition: curve.r2() for curve in curves if curve.channel == "rate"}
-    rows = tuple(
-        (
-            name,
-            *(_share(r2) for r2 in (hard[name], law.r2[name], left_out.get(name, math.nan), law.left_out[name])),
-            *(f"{time:+.1f}" for time in peaks),
-        )
-        for name, peaks in law.peaks.items()
-    )
-    columns = ("approach", "R2 network|", "law|", "left out: network|", "law|")
-    columns += ("peak in ms: recorded|", "network|", "law|")
-    fitted, observation = law.law, law.law.observation
-    means = [float(np.mean(list(r2.values()))) for r2 in (left_out, law.left_out) if r2]
-    return Section(
-        title,
-        columns,
-        rows,
-        (
-            *(
-                f"Peaks, {name}: {line.alpha:.2f} l/|v| - {line.delta:.1f} ms before collision, r2 {line.r2:.3f}."
-                for name, line in law.lines.items()
-            ),
-            f"Left out, in the mean: {' and '.join(_share(mean) for mean in means)}"
-            + (" (network, law)." if len(means) > 1 else " (law)."),
-            f"The law: alpha {fitted.alpha:.2f}, gain (l/|v|)^{fitted.exponent:.2f} and "
-            f"{float(observation.gain):.0f} spikes/s at 40 ms, baseline {float(observation.baseline):.1f} spikes/s, "
-            f"latency with delta {float(observation.latency):.0f} ms.",
-        ),
-    )
-
-
-def truth_section(truth: Mapping[str, float], free: Free, values: Mapping[str, float], u: Uncertainty) -> Section:
-    """How far a twin's parameters are from their known values."""
-    rows = []
-    for name, true_value in truth.items():
-        i = free.names.index(name)
-        parameter, error, off = free.parameters[i], float(u.standard_errors[i]), values[name] - true_value
-        in_errors = f"{off / error:+.2f}" if math.isfinite(error) and error > 0 else "-"
-        of_range = f"{off / (parameter.high - parameter.low):+.3%}"
-        rows.append((name, f"{true_value:.6g}", f"{values[name]:.6g}", of_range, in_errors))
-    columns = ("parameter", "truth|", "fitted|", "off, of its range|", "off, in s.e.|")
-    return Section("Known truth", columns, tuple(rows))

@@ -22,14 +22,15 @@ from lgmd2jax._targets.observation import Observation, observation_symbols
 from lgmd2jax._targets.target import Target
 from lgmd2jax._types import check_key, strong
 from lgmd2jax._words import warn_renamed
-from lgmd2jax.fitting import _report
+from lgmd2jax.fitting import _report, _supplement
+from lgmd2jax.fitting._bounds import Linear
 from lgmd2jax.fitting._curve import DISAGREEMENT, Curve, predict
-from lgmd2jax.fitting._free import Free, Linear
+from lgmd2jax.fitting._free import Free
 from lgmd2jax.fitting._problem import Problem, chi2_residuals, problem_of
-from lgmd2jax.fitting._report import Supplement
 from lgmd2jax.fitting._run import Run
 from lgmd2jax.fitting._search.descent import FINAL
 from lgmd2jax.fitting._search.space import soften
+from lgmd2jax.fitting._supplement import Supplement
 from lgmd2jax.fitting._uncertainty.covariance import Uncertainty, sentences
 from lgmd2jax.fitting._uncertainty.jacobian import known_rows, sensitivity_at
 from lgmd2jax.fitting._uncertainty.next_stimulus import Candidate, rank
@@ -356,11 +357,11 @@ class Fit:
                 self.runs, self.best_count, len(self.screened), self.temperatures, self.loss, self.soft_loss
             ),
             _report.correlation_section(u),
-            _report.profile_section(more.profiles, free, u),
-            _report.score_section(more.scores, self.parameters),
-            _report.left_out_section(more.left_out),
-            _report.law_section(more.looming_law, self.curves, more.left_out),
-            _report.truth_section(more.truth, free, values, u),
+            _supplement.profile_section(more.profiles, free, u),
+            _supplement.score_section(more.scores, self.parameters),
+            _supplement.left_out_section(more.left_out),
+            _supplement.law_section(more.looming_law, self.curves, more.left_out),
+            _supplement.truth_section(more.truth, free, values, u),
             Section("Remarks", sentences=tuple(self.remarks())),
         )
         return [
@@ -389,7 +390,7 @@ class Fit:
         if self.problem is not None:
             return self.problem
         if self.data is None:
-            raise ValueError(f"{purpose} needs the stimuli and targets, which this fit does not hold; make it anew")
+            raise ValueError(f"{purpose} needs the stimuli and targets, which this fit does not hold; fit again")
         return self._loaded_problem
 
     @functools.cached_property

@@ -10,7 +10,8 @@ from lgmd2jax._network.networks import NETWORKS
 from lgmd2jax._network.parameters import preset, symbols
 from lgmd2jax._network.thresholds import Hard, Soft, Thresholds
 from lgmd2jax._targets.observation import observation_symbols
-from lgmd2jax.fitting._free import RANGES, Free, Linear, Log, Tie
+from lgmd2jax.fitting._bounds import RANGES, Linear, Log
+from lgmd2jax.fitting._free import Free, Tie
 
 
 def free_of(table: Mapping[str, Any]) -> Free:

@@ -21,7 +21,7 @@ from lgmd2jax._protocol.condition import Condition
 from lgmd2jax._targets.observation import Observation
 from lgmd2jax._types import Key, check_key
 from lgmd2jax._words import nearest
-from lgmd2jax.fitting._free import Linear, Log, Scale, between, check_bounds
+from lgmd2jax.fitting._bounds import Linear, Log, Scale, between, check_bounds
 from lgmd2jax.fitting._result import Fit
 from lgmd2jax.fitting._search.points import seed_of, sobol
 from lgmd2jax.stimuli import FAMILIES, Stimulus

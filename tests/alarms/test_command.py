@@ -83,7 +83,7 @@ def test_the_folder(place):
     assert set(content["values"]) == {"k", "T_ffi", "T_sp"}
     assert content["held_out"]["windows"] == 2
     report = (place / "mine/report.txt").read_text()
-    assert "Clips that the fit did not see: 2 windows" in report
+    assert "Held-out clips: 2 windows" in report
     assert "Table I, T_sp 0.65" in report
 
 
@@ -91,13 +91,13 @@ def test_own_clips_are_judged_by_what_was_fitted_without_their_source(place):
     content = json.loads((place / "mine/fit.json").read_text())
     assert set(content["left_out"]) == {"own", "hit"}  # no rendered one
     assert content["recipe"]["weights"]["recorded"] == 1
-    comparison = content["comparisons"]["Each source of recorded clips, evaluated by a fit without it"]
+    comparison = content["comparisons"]["Recorded clips, each source judged by a fit without it"]
     assert [clip["source"] for clip in comparison["clips"]] == ["own", "garden"]
     wrong, model = content["left_out"], comparison["detectors"]["model"]
     missed, broken = 1 - model["hits"]["count"], [clip["false_alarms"] > 0 for clip in comparison["clips"]]
     assert [wrong["own"], wrong["hit"]] == [broken[0], missed + broken[1]]
     report = (place / "mine/report.txt").read_text()
-    assert "Each source of recorded clips" in report
+    assert "Recorded clips, each source judged by a fit without it" in report
     for name in ("frame difference", "divergence of flow", "Table I, T_sp 0.78"):
         assert report.count(name) >= 2 * 3
 
@@ -138,7 +138,7 @@ def test_the_handed_over_model_alarms_as_the_report_says(place):
 @pytest.mark.parametrize(
     ("recipe", "message"),
     [
-        (RECIPE.replace("seed = 9", "seed = 2"), "validation.seed = 2: the fitted clips have the same seed"),
+        (RECIPE.replace("seed = 9", "seed = 2"), "validation.seed = 2: the fitted clips have this seed too"),
         (RECIPE.replace("[solver]", "[solver]\nloss = 'huber'"), "solver.loss = 'huber': unknown key"),
         (RECIPE.replace("clips.toml", "looming"), "it is a protocol of stimuli, not a file of labelled clips"),
         (RECIPE.replace("k = {", "kk = {"), "free.kk = {"),
@@ -183,7 +183,7 @@ def test_what_is_stopped_amid_its_held_out_scores_goes_on_with_them(place, monke
         with pytest.raises(SystemExit, match="130"):
             main(command)
     assert {"the model, held out", "detectors, held out", "detectors, fitted clips"} < set(keys)
-    left = ["the scores on clips that the fit did not see", "the urgency"]
+    left = ["the scores on held-out clips", "the urgency"]
     assert json.loads((folder / "fit.json").read_text())["unfinished"] == left
     with monkeypatch.context() as patch:
         for judge in ("evaluate", "detectors"):
@@ -287,8 +287,8 @@ def test_own_clips_alone(place, monkeypatch):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (["--clips-only"], "--clips-only is given, but no clips of your own"),
-        (["--clips-weight", "2"], "--clips-weight is given, but no clips of your own"),
+        (["--clips-only"], "--clips-only is given without clips of your own"),
+        (["--clips-weight", "2"], "--clips-weight is given without clips of your own"),
         (["--clips", "own.toml", "--clips-only", "--clips-weight", "2"], "leaves no other clips to weigh against"),
         (["--clips", "own.toml", "--clips-weight", "-1"], "--clips-weight is -1; give a positive number"),
     ],
@@ -309,6 +309,6 @@ def test_wrong_labels_show_before_anything_is_rendered(place, monkeypatch, capsy
 
 def test_watching_takes_an_lgmd2_and_labels(place, capsys):
     assert main(["watch", str(place / "clips.toml"), "--model", "preset:yue_rind"]) != 0
-    assert "is no LGMD2" in capsys.readouterr().err
+    assert "is not an LGMD2" in capsys.readouterr().err
     assert main(["watch", str(place / "mine.toml")]) != 0
     assert "it is a recipe, not a file of labelled clips" in capsys.readouterr().err

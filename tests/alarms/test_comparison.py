@@ -99,8 +99,8 @@ def test_thresholds_of_other_clips():
     loud = minute(f9=0.9, f30=0.8, f60=0.7)
     model = detector(loud, loud, 0.5, 0.75)
     training = Evaluation((silence(loud),), (loud,), np.inf)
-    comparison = Comparison.of({"model": model}, ("by others", {"model": training}))
-    assert comparison.training == "by others"
+    comparison = Comparison.of({"model": model}, ("other clips", {"model": training}))
+    assert comparison.training == "other clips"
     outcome = comparison.detectors["model"].at_budgets[2.0]
     assert outcome.threshold == pytest.approx((0.75, 0.75))
     assert outcome.counts.hits.sum() == 1
@@ -110,7 +110,7 @@ def test_thresholds_of_other_clips():
 def test_one_source_chooses_for_itself_and_says_so():
     trace = minute(f9=0.9, f30=0.8)
     comparison = Comparison.of({"model": Detector(Evaluation((silence(trace),), (trace,), 0.5))})
-    assert "the same clips chose" in comparison.training
+    assert comparison.training.startswith("the same clips, since no silence")
     with pytest.raises(ValueError, match="no clip has a silence"):
         Comparison.of({"model": Detector(Evaluation((hit(),), (np.ones(4),), 0.5))})
 

@@ -202,12 +202,12 @@ def test_the_descents_slope_is_that_of_finite_differences(clips):
     ("changes", "message"),
     [
         ({"clips": []}, "clips is empty"),
-        ({"clips": "silent"}, "no clip has a window in which an alarm is wanted"),
+        ({"clips": "silent"}, "no clip has a window, in which an alarm is wanted"),
         ({"pixel_points": 0}, "pixel_points is 0; give a whole number"),
         ({"descend": -1}, "descend is -1; give a whole number, 0 or more"),
         ({"miss": -1.0}, "miss is -1.0; give a positive weight"),
         ({"recorded": 0}, "recorded is 0; give a positive weight"),
-        ({"model": lgmd.LGMD2(lgmd.preset("lgmd2", N_sp=4.5), eye=EYE)}, "N_sp is 4.5; alarms count whole spikes"),
+        ({"model": lgmd.LGMD2(lgmd.preset("lgmd2", N_sp=4.5), eye=EYE)}, "N_sp is 4.5; an alarm counts spikes"),
         ({"free": lgmd.Free(k=(2.0, 3.0))}, "k starts at 1.9, outside of its bounds"),
     ],
 )

@@ -141,7 +141,7 @@ def test_a_cache_that_cannot_be_written_or_is_broken_is_done_without(place):
     np.testing.assert_array_equal(first.frames, again.frames)
     shutil.rmtree(place / "cache")
     (place / "cache").write_text("in the way, as a cache that is read only would be")
-    with pytest.warns(ClipWarning, match="decoded anew each time, since the cache .* cannot be written"):
+    with pytest.warns(ClipWarning, match="decoded again in every run, since the cache .* cannot be written"):
         (again,) = load(place, text)
     np.testing.assert_array_equal(first.frames, again.frames)
 
@@ -175,8 +175,8 @@ def test_the_shipped_file_and_rendered_clips():
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "mine.toml: no clips; write each under"),
-        ('[[clip]]\nfile = "other.mp4"\n', r"clip\[0\]\.file: there is no .*other.mp4; labels need their clip"),
+        ("", "mine.toml: there are no clips; list recorded ones under"),
+        ('[[clip]]\nfile = "other.mp4"\n', r"clip\[0\]\.file: there is no .*other.mp4; give a path from"),
         ("[[clip]]\nalarm = [[1, 2]]\n", r"clip\[0\]\.file is missing"),
         ('[[clip]]\nfile = "crash.mkv"\nwindows = [[1, 2]]\n', r"clip\[0\]\.windows = .*: unknown key; did you mean"),
         ('[[clip]]\nfile = "crash.mkv"\nalarm = [[50, 70]]\n', "crash: alarm 50 to 70 lies outside of the clip"),
@@ -186,7 +186,7 @@ def test_the_shipped_file_and_rendered_clips():
             "alarm up to 30 and silent from 25",
         ),
         ('[[clip]]\nfile = "crash.mkv"\nalarm = [[30, 40]]\ncontact = 4\n', "contact is frame 4, before an alarm"),
-        ('[[clip]]\nfile = "crash.mkv"\nbefore_ms = [500, 0]\n', "before_ms counts from contact, which is not given"),
+        ('[[clip]]\nfile = "crash.mkv"\nbefore_ms = [500, 0]\n', "before_ms counts back from contact, which is"),
         ('[[clip]]\nfile = "crash.mkv"\ncontact = 40\nbefore_ms = [0, 500]\n', "give two times before contact"),
         (
             '[[clip]]\nfile = "crash.mkv"\ncontact = 90\nbefore_ms = [500, 0]\n',

@@ -30,10 +30,10 @@ def curve(high=(), level=0.7):
 @pytest.mark.parametrize(
     ("trace", "uninhibited", "inhibited", "expected", "words"),
     [
-        (curve(), curve([7]), np.arange(20) < 7, ("inhibited", 0.4, 0.5), "5-9: inhibition shut 40% of it"),
+        (curve(), curve([7]), np.arange(20) < 7, ("inhibited", 0.4, 0.5), "5-9: inhibited in 40% of it"),
         (curve([12]), curve([12]), np.zeros(20), ("late", 0, 0.5), "5-9: late by 300 ms"),
-        (curve([6], 0.59), curve([6], 0.59), np.zeros(20), ("weak", 0, 0.59), "5-9: too weak, 0.590 of 0.600"),
-        (curve([15]), curve([7, 15]), np.ones(20), ("inhibited", 1, 0.5), "inhibition shut 100% of it, late by 600 ms"),
+        (curve([6], 0.59), curve([6], 0.59), np.zeros(20), ("weak", 0, 0.59), "5-9: too weak, 0.590 < 0.600"),
+        (curve([15]), curve([7, 15]), np.ones(20), ("inhibited", 1, 0.5), "inhibited in 100% of it, late by 600 ms"),
     ],
 )
 def test_why_a_window_was_missed(trace, uninhibited, inhibited, expected, words):

@@ -12,7 +12,7 @@ import scipy
 import lgmd2jax as lgmd
 from lgmd2jax import alarms, hard
 from lgmd2jax._handover.model_file import as_hard
-from lgmd2jax.alarms._reliability import came_true, logistic_fit
+from lgmd2jax.alarms._reliability import calibration_table, logistic_fit
 from lgmd2jax.alarms._urgency import _judged
 from lgmd2jax.cli import main
 from tests import clips
@@ -22,7 +22,7 @@ from tests.network.test_mechanisms import PARAMETERS
 ROOT = pathlib.Path(__file__).parents[2]
 TRUE = np.array([-2.0, 3.0, -1.5, 2.0, 0.5])  # intercept and weights
 URGENCY = alarms.Urgency(500.0, 150.0, -1.0, 4.0, 2.0, -3.0, 1.5)
-TABLE = dataclasses.replace(URGENCY, foretold=(0.1, 0.3, 0.6), observed=(0.05, 0.3, 0.5))
+TABLE = dataclasses.replace(URGENCY, predicted=(0.1, 0.3, 0.6), observed=(0.05, 0.3, 0.5))
 INTERVALS = np.random.default_rng(2).uniform(15, 60, 14)
 
 
@@ -45,32 +45,32 @@ def test_on_known_probabilities_the_calibration_is_right():
 
     held, came = simulated(1)
     clip = np.arange(len(held)) // 20
-    foretold = scipy.special.expit(intercept + held @ weights)
-    found = alarms.Reliability.of(foretold, came, clip)
+    predicted = scipy.special.expit(intercept + held @ weights)
+    found = alarms.Reliability.of(predicted, came, clip)
     assert found.slope.low < 1 < found.slope.high
     assert found.intercept.low < 0 < found.intercept.high
     assert found.slope.high - found.slope.low < 0.25
-    error = np.sqrt(found.foretold * (1 - found.foretold) / found.frames)
-    assert np.all(np.abs([share.value for share in found.observed] - found.foretold) < 4 * error)
-    inside = [share.low <= p <= share.high for share, p in zip(found.observed, found.foretold, strict=True)]
+    error = np.sqrt(found.predicted * (1 - found.predicted) / found.frames)
+    assert np.all(np.abs([share.value for share in found.observed] - found.predicted) < 4 * error)
+    inside = [share.low <= p <= share.high for share, p in zip(found.observed, found.predicted, strict=True)]
     assert np.mean(inside) >= 0.8
     assert found.frames.sum() == len(held)
-    assert found.brier.value == pytest.approx(np.mean((foretold - came) ** 2))
-    assert found.brier.low < np.mean(foretold * (1 - foretold)) < found.brier.high  # what the truth leaves
+    assert found.brier.value == pytest.approx(np.mean((predicted - came) ** 2))
+    assert found.brier.low < np.mean(predicted * (1 - predicted)) < found.brier.high  # what the truth leaves
     assert found.brier.high < found.brier_of_the_mean == pytest.approx(np.var(came))
 
 
-def test_what_came_true_in_other_clips_mends_overconfidence():
+def test_a_calibration_on_other_clips_corrects_overconfidence():
     """Known probabilities, of which a logistic function says twice the log-odds."""
     x, happens = simulated(3)
     z = TRUE[0] + x @ TRUE[1:]
-    foretold, observed = came_true(scipy.special.expit(2 * z), happens)
-    assert np.all(np.diff(foretold) > 0)
+    predicted, observed = calibration_table(scipy.special.expit(2 * z), happens)
+    assert np.all(np.diff(predicted) > 0)
     assert np.all(np.diff(observed) >= 0)
-    truth = scipy.special.expit(scipy.special.logit(foretold) / 2)
+    truth = scipy.special.expit(scipy.special.logit(predicted) / 2)
     np.testing.assert_allclose(observed, truth, atol=0.06)
     held, came = simulated(5)
-    said = np.interp(scipy.special.expit(2 * (TRUE[0] + held @ TRUE[1:])), foretold, observed)
+    said = np.interp(scipy.special.expit(2 * (TRUE[0] + held @ TRUE[1:])), predicted, observed)
     found = alarms.Reliability.of(said, came, np.arange(len(held)) // 20)
     assert found.slope.low < 1 < found.slope.high
 
@@ -222,8 +222,8 @@ def test_a_file_of_version_1_becomes_one_of_version_2(tmp_path):
         {"rise": "much"},
         {"within_ms": -5.0},
         {"colour": 1.0},
-        {"observed": [0.1, 2.0], "foretold": [0.1, 0.2]},
-        {"foretold": [0.1, "much"], "observed": [0.1, 0.2]},
+        {"observed": [0.1, 2.0], "predicted": [0.1, 0.2]},
+        {"predicted": [0.1, "much"], "observed": [0.1, 0.2]},
     ],
     ids=str,
 )
@@ -307,7 +307,7 @@ def test_the_command_adds_it_to_a_folder(path, tmp_path, monkeypatch, capsys):
     assert urgency.within_ms == 700
     numbers = json.loads((folder / "urgency.json").read_text())
     assert numbers["urgency"] == json.loads(json.dumps(dataclasses.asdict(urgency)))
-    assert len(urgency.foretold) == len(urgency.observed) > 1
+    assert len(urgency.predicted) == len(urgency.observed) > 1
     assert 0 < numbers["held_out"]["brier"][0] < 1
     assert (folder / "reliability.png").stat().st_size > 10_000
     monkeypatch.setattr(alarms.AlarmRecipe, "run", lambda *_, **__: pytest.fail("no fit is wanted"))

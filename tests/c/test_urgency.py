@@ -21,7 +21,7 @@ LOGISTIC = {
     "inhibition": 1.5,
 }
 # Two rows that foretell the same, and answers beyond both ends.
-TABLE = LOGISTIC | {"foretold": (0.3, 0.35, 0.4, 0.4, 0.55), "observed": (0.05, 0.3, 0.35, 0.6, 0.9)}
+TABLE = LOGISTIC | {"predicted": (0.3, 0.35, 0.4, 0.4, 0.55), "observed": (0.05, 0.3, 0.35, 0.6, 0.9)}
 CALIBRATIONS = pytest.mark.parametrize("calibration", [LOGISTIC, TABLE], ids=["logistic", "table"])
 NAMES = pytest.mark.parametrize("name", ["the paper's circuit", "all mechanisms"])
 

@@ -226,7 +226,7 @@ def test_the_newest_frame_waits_and_older_ones_are_dropped(place):
 def test_a_frame_of_another_size_is_refused():
     source = arrivals((0.0, 0.1), (0.0, 0.1))
     source[1].pixels.size = (7, 8)
-    with pytest.raises(ValueError, match="a fake: frame 1 has 7 x 8 pixels, those before 6 x 8; start anew"):
+    with pytest.raises(ValueError, match="a fake: frame 1 has 7 x 8 pixels, those before 6 x 8; start again"):
         list(live.moments(as_hard(lgmd.LGMD2()), source, "a fake", WHOLE, 8, 20.0))
 
 

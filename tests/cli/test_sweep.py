@@ -98,7 +98,7 @@ def test_the_thresholds_drawn_are_those_of_the_network(recipe):
         ("[-0.9, 0.2]", "[]", "stimulus.contrast = []: must hold 1 or more values"),
         ("[parameters]\ntheta1 = [0, 1, 2]", "[[parameters]]", "parameters = [{}]: must be a table"),
         ('"peak"', '"peek"', "figure.value = 'peek': choose 'peak'"),
-        ('index = "contrast"', 'index = "theta1"', "which is no axis of two values"),
+        ('index = "contrast"', 'index = "theta1"', "which is not an axis of two values"),
         ('index = "contrast"', "", "figure: the axes are theta1, contrast, l_over_v"),
     ],
 )

@@ -76,7 +76,7 @@ def test_a_part_that_is_stopped_is_named_and_gone_on_with(place, tmp_path, capsy
         stop_after(patch, key)
         with pytest.raises(SystemExit, match="130"):
             main(command)
-    assert "go on with --resume" in capsys.readouterr().out
+    assert "continue with --resume" in capsys.readouterr().out
     assert json.loads((folder / "fit.json").read_text())["unfinished"] in (left, ["the figures", *left])
     for report in ("report.txt", "report.html"):
         assert "UNFINISHED" in (folder / report).read_text()

@@ -290,7 +290,7 @@ def test_the_next_stimulus_is_the_one_that_shows_the_parameter(looms):
         ({"free": lgmd.Free(k=(2, 3))}, "k starts at 1, outside of its bounds"),
         ({"free": lgmd.Free(k=(0.1, 2), gain=None)}, "gain is free, but no target is a rate"),
         ({"temperatures": []}, "temperatures is"),
-        ({"temperatures": [0.1, 0.5]}, "let them fall"),
+        ({"temperatures": [0.1, 0.5]}, "give falling numbers"),
         ({"temperatures": [-1.0]}, "positive numbers"),
         ({"temperatures": 0.5}, "temperatures is 0.5; give a list of positive numbers"),
         ({"solver": optx.BFGS}, "solver is <class .*; give one of optimistix'"),

@@ -85,7 +85,7 @@ def test_finished_chains_are_not_drawn_again_and_those_of_other_data_are_not_tak
 
 
 def test_too_few_draws_are_refused():
-    with pytest.raises(ValueError, match="1 chains of 600 draws tell nothing; take at least 2 chains"):
+    with pytest.raises(ValueError, match="1 chains of 600 draws are too few; give at least 2 chains"):
         draw_posterior(lambda z: z, CENTRE, key=jax.random.key(0), chains=1, draws=600)
 
 

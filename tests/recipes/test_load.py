@@ -94,7 +94,7 @@ def test_a_file_is_read_once(folder, command, name, monkeypatch):
     ("choice", "message"),
     [
         ("leave_one_out", "the target of 'loom' is a band, which has no R2; leave leave_one_out out"),
-        ("looming_law", "'loom' is no approach with a curve in 'rate'"),
+        ("looming_law", "'loom' is not an approach with a curve in 'rate'"),
     ],
 )
 def test_what_a_band_cannot_be_asked_is_refused_before_the_fit(folder, choice, message):

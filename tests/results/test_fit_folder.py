@@ -61,7 +61,7 @@ def test_what_was_written_comes_back(fit, folder):
 def test_a_fit_that_was_stopped_is_marked_as_unfinished(tmp_path):
     lgmd.save_fit(fit_with(FREE, [curve()], result="stopped by hand"), tmp_path / "fit")
     assert "UNFINISHED" in (tmp_path / "fit/report.txt").read_text(encoding="utf-8")
-    with pytest.warns(UnfinishedWarning, match="fit is unfinished: the search; go on by"):
+    with pytest.warns(UnfinishedWarning, match="fit is unfinished: the search; lgmd2jax fit"):
         assert lgmd.load_fit(tmp_path / "fit").result == "stopped by hand"
     with pytest.warns(UnfinishedWarning, match="is of an unfinished fit: the search was stopped"):
         model_named(str(tmp_path / "fit"))

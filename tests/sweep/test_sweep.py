@@ -147,7 +147,7 @@ def test_a_bar_is_shown_where_it_is_asked_for(eye, capsys):
         ({}, "nothing is swept"),
         ({"contrst": [-0.5]}, "looming takes no 'contrst', choose 'contrast'"),
         ({"tau1": [5.0]}, "looming takes no 'tau1'; write parameters={'tau1': ...}"),
-        ({"parameters": {"tau9": [5.0]}}, "parameters has 'tau9', which is no parameter; choose 'tau1'"),
+        ({"parameters": {"tau9": [5.0]}}, "parameters has 'tau9', which is not a parameter; choose 'tau1'"),
         ({"parameters": {"tau1": [5.0, -1.0]}}, r"tau1 is -1; it must lie in \(0, inf\) ms"),
         ({"contrast": []}, "contrast has shape"),
         ({"contrast": [-0.5, float("nan")]}, "contrast holds nan; give finite values"),

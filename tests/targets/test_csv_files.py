@@ -74,7 +74,7 @@ def test_a_curve_is_read_however_it_was_written(write, text, settings):
         ("time_ms,t,rate\n0,0,1\n", {}, "columns 'time_ms' and 't' are named like a time; name it by time"),
         ("time_ms,rate,rate\n0,1,5\n1,2,6\n", {}, "2 columns are named 'rate'; give each a name of its own"),
         ("time_ms,rate, rate\n0,1,5\n1,2,6\n", {}, "2 columns are named 'rate'"),
-        ("time_h,rate\n0,1\n1,2\n", {}, "column 'time_h' counts in 'h', which is no unit of time here"),
+        ("time_h,rate\n0,1\n1,2\n", {}, "column 'time_h' counts in 'h', which is not a unit of time here"),
         ("time (frames),rate\n0,1\n1,2\n", {}, r"column 'time \(frames\)' counts in 'frames'"),
         ("time [days],rate\n0,1\n1,2\n", {}, "counts in 'days'"),
         ("t_ms,rate (spikes/bin)\n0,1\n1,2\n", {"column": "rate (spikes/bin)"}, "has the unit 'spikes/bin', which is"),
@@ -90,7 +90,7 @@ def test_a_curve_is_read_however_it_was_written(write, text, settings):
         ("t,rate\n0,1\n", {"separator": ",", "decimal": ","}, "separator is ',' and decimal ','"),
         ("t,rate\n0,1\n", {"decimal": "comma"}, "decimal is 'comma'; give '.' or ','"),
         ("t,rate\n0,1\n", {"time_unit": "h"}, "time_unit is 'h'; give 'ms', 's', 'us' or 'min'"),
-        ("t_ms,rate\n0,1\n", {"time_unit": "s"}, "time_unit is 's', but the column is named 't_ms'; mend one of them"),
+        ("t_ms,rate\n0,1\n", {"time_unit": "s"}, "time_unit is 's', but the column is named 't_ms'; correct one"),
         ("t,rate\n0,1\n", {"unit": "mV"}, "unit is 'mV', which is none of the channel 'rate'"),
         (
             "t,rate,v\n0,1,5\n9,1,5\n0,2,10\n9,2,10\n",

@@ -84,7 +84,7 @@ CASES = {
     "columns that tell no trial": (
         "first (s),second (s)\n-.1,-.2\n.3,.1\n",
         {},
-        "'first .s.' tells no trial; name each",
+        "'first .s.' names no trial; name each",
     ),
     "columns without a unit": ("A_lv20_1,A_lv20_2\n-.1,-.2\n.3,.1\n", {}, "'A_lv20_1', -0.1 to 0.3, have no unit"),
     "NaN amid a column": ("A_lv20_1 (s),A_lv20_2 (s)\n-.1,-.2\nnan,.1\n.3,.2\n", {}, "'nan' in row 2"),
@@ -148,7 +148,7 @@ PAIRS = {
     "a span that ends before it starts": (
         TRIALS.replace("9,11", "11,9"),
         "animal,trial,spike_s\nA,2,20\n",
-        "mend its span",
+        "correct its span",
     ),
 }
 
@@ -167,8 +167,8 @@ def test_what_stands_twice_and_alike_counts_once_and_is_told(tmp_path):
     (tmp_path / "spikes.csv").write_text(SPIKES + "A,2,19.95\n")
     trials = lgmd.load_trials(tmp_path)
     assert [trial.spikes_ms.tolist() for trial in trials] == [[-100, 100], [-50]]
-    assert any("1 rows of the trials stand twice" in remark for remark in trials.remarks)
-    assert any("1 spikes stand twice" in remark for remark in trials.remarks)
+    assert any("1 rows of the trials appear twice" in remark for remark in trials.remarks)
+    assert any("1 spikes appear twice" in remark for remark in trials.remarks)
 
 
 def test_rows_in_any_order_give_the_same_trials(tmp_path):
@@ -180,9 +180,9 @@ def test_rows_in_any_order_give_the_same_trials(tmp_path):
 
 def test_files_that_are_none_of_their_format_are_refused(tmp_path):
     for name, words in {
-        "a.mat": "no Matlab file",
-        "a.xlsx": "no Excel workbook",
-        "a.nwb": "no NWB",
+        "a.mat": "not a Matlab file",
+        "a.xlsx": "not an Excel workbook",
+        "a.nwb": "not an NWB",
         "a.smr": "Neo",
     }.items():
         (tmp_path / name).write_bytes(b"not what it is called\x00" * 40)
@@ -192,7 +192,7 @@ def test_files_that_are_none_of_their_format_are_refused(tmp_path):
 
 def test_a_matlab_file_of_something_else_is_refused(tmp_path):
     for name, content, words in (
-        ("picture", {"image": np.zeros((3, 4)), "name": "x"}, "named like spike times|no trials"),
+        ("picture", {"image": np.zeros((3, 4)), "name": "x"}, "named like spike times|not trials"),
         ("lengths", {"spikes_s": np.zeros(3), "trial": np.zeros(5)}, r"spikes_s \(3\), trial \(5\)"),
         ("unit", {"spikes": np.array([-0.1, 0.2]), "trial": np.array([1, 2])}, "'spikes', -0.1 to 0.2, have no unit"),
         ("across", {"spikes_ms": MATRIX[:, :2].T, "lv_ms": [20.0, 20.0]}, "'spikes_ms' do not rise; give a row for"),
@@ -215,7 +215,7 @@ def test_a_matrix_of_a_row_a_trial_is_filled_up_with_nan(tmp_path):
 
 def test_a_torn_hdf5_file_of_matlab_is_named(tmp_path):
     (tmp_path / "torn.mat").write_bytes(b"MATLAB 7.3 MAT-file" + bytes(3000))
-    with pytest.raises(ValueError, match=r"torn\.mat: this is no Matlab file"):
+    with pytest.raises(ValueError, match=r"torn\.mat: this is not a Matlab file"):
         lgmd.load_trials(tmp_path / "torn.mat")
 
 

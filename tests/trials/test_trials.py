@@ -71,7 +71,7 @@ def test_the_recorded_dcmd_of_nguyen_et_al(data):
     if not folder.is_dir():
         pytest.skip(f"no recordings at {folder}")
     trials = lgmd.load_trials(folder)
-    assert len(trials) == 1904 - 15  # of G30, which stand twice
+    assert len(trials) == 1904 - 15  # of G30, which appear twice
     assert sum(not trial.spikes_ms.size for trial in trials) > 50
     law = trials.looming_law(resamples=200)
     assert list(law.animals) == [f"G{number:02}" for number in range(9, 18)]

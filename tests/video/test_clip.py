@@ -186,8 +186,8 @@ def test_what_is_no_clip_is_refused(tmp_path):
     (tmp_path / "text.txt").write_text("hello\n" * 100)
     (tmp_path / "folder").mkdir()
     for name, message in {
-        "empty.mp4": "no video, or a truncated one",
-        "noise.mp4": "no video, or a truncated one",
+        "empty.mp4": "is not a video, or is truncated",
+        "noise.mp4": "is not a video, or is truncated",
         "text.txt": "holds no video",
         "folder": "holds no image",
     }.items():

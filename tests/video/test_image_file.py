@@ -155,7 +155,7 @@ def test_what_is_transparent_is_laid_on_white_and_said(tmp_path, kind):
             keyed = Image.fromarray(np.where(alpha == 0, 7, level).astype(np.uint8))
             keyed = keyed if kind == "P" else keyed.convert("RGB")
             keyed.convert(kind).save(tmp_path / f"{i}.png", transparency=7 if kind == "P" else (7, 7, 7))
-    with pytest.warns(ClipWarning, match="it is transparent in places, and is laid on white"):
+    with pytest.warns(ClipWarning, match="it is transparent in places, and is shown on white"):
         clip = open_clip(tmp_path, fps=30)
     np.testing.assert_allclose(next(iter(clip)).grey, [[100, 100, 255, 255]] * 4, atol=1e-3)
 

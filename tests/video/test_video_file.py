@@ -188,7 +188,7 @@ def test_scaled_grey_levels_are_those_of_the_standard(tmp_path, pixels):
 def test_grey_video_of_16_bits_keeps_them_and_takes_a_white_level(tmp_path, resize):
     values = np.random.default_rng(0).integers(0, 4096, (2, 24, 33), dtype=np.uint16)
     path = write_video(tmp_path / "clip.mkv", values, pixels="gray16le", given="gray16le")
-    with pytest.warns(ClipWarning, match="if the camera gives 12 bits, say so: white = 4095"):
+    with pytest.warns(ClipWarning, match="if the camera gives 12 bits, give it: white = 4095"):
         dark = next(iter(open_clip(path, resize=resize)))
     right = next(iter(open_clip(path, resize=resize, white=4095)))
     expected = area_average(values[0].astype(float), right.grey.shape)
@@ -211,7 +211,7 @@ def test_transparent_video_is_laid_on_white_and_said(tmp_path, pixels):
     picture = np.full((16, 24, 4), 40, np.uint8)
     picture[..., 3] = np.where(np.arange(24) < 12, 255, 0)
     path = write_video(tmp_path / "clip.mkv", [picture] * 3, pixels=pixels, given="rgba")
-    with pytest.warns(ClipWarning, match="it is transparent in places, and is laid on white"):
+    with pytest.warns(ClipWarning, match="it is transparent in places, and is shown on white"):
         clip = open_clip(path, resize=12)
     np.testing.assert_allclose(next(iter(clip)).grey, np.where(np.arange(12) < 6, 40, 255) * np.ones((8, 1)), atol=1.5)
 

@@ -9,7 +9,7 @@ def add_trials(parser: argparse.ArgumentParser) -> None:
         "data", metavar="DATA", nargs="+", help="CSV, .xlsx, .mat, .nwb, Spike2 text, what Neo reads; a folder"
     )
     parser.add_argument(
-        "--time-unit", choices=("ms", "s", "us"), help="the unit of all times, where no header tells it"
+        "--time-unit", choices=("ms", "s", "us"), help="the unit of all times, where no header states it"
     )
     parser.add_argument("--animal", metavar="COLUMN", help="the column of the animals, or the name of the only one")
     parser.add_argument("--session", metavar="COLUMN", help="the column of the recordings of an animal")

@@ -70,7 +70,7 @@ class DampedBoxDescent(optx.AbstractDescent):
 def _check_order(low: Array, high: Array) -> None:
     known = not isinstance(low, Tracer) and not isinstance(high, Tracer)
     if known and np.any(np.asarray(low) > np.asarray(high)):
-        raise ValueError(f"the lower bound {low} lies above the upper bound {high}; exchange them")
+        raise ValueError(f"the lower bound {low} lies above the upper bound {high}; swap them")
 
 
 def _box_minimum(

@@ -65,7 +65,7 @@ def draw_posterior(
     **Raises:** `ValueError` without blackjax, and for fewer than two chains or four draws.
     """
     if chains < 2 or draws < 4:
-        raise ValueError(f"{chains} chains of {draws} draws tell nothing; take at least 2 chains and 4 draws")
+        raise ValueError(f"{chains} chains of {draws} draws are too few; give at least 2 chains and 4 draws")
     try:
         import blackjax
     except ImportError:
