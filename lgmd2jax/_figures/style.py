@@ -1,7 +1,6 @@
 """The one style of all figures, applied while a figure is drawn and nowhere else, without pyplot."""
 
 import contextlib
-import io
 import os
 from collections.abc import Iterator
 from pathlib import Path
@@ -44,7 +43,7 @@ STYLE = {
 
 
 @contextlib.contextmanager
-def drawn(path: str | os.PathLike | io.BytesIO, width: float | int, height: float | int) -> Iterator[Figure]:
+def drawn(path: str | os.PathLike, width: float | int, height: float | int) -> Iterator[Figure]:
     """An empty figure in the library's style, its size in inches, saved at `path` when the block ends.
 
     It is made without pyplot, so no window, no backend and no setting of the user's is touched.
@@ -56,12 +55,6 @@ def drawn(path: str | os.PathLike | io.BytesIO, width: float | int, height: floa
             layout.execute(figure)  # else `savefig` would draw all twice, once for the layout alone
             figure.set_layout_engine(None)
         figure.savefig(path)
-
-
-def warm_up() -> None:
-    """Draw a small figure for nothing: the first one finds fonts and builds a parser of formulas, half a second."""
-    with drawn(io.BytesIO(), 3, 2) as figure:
-        figure.subplots().set(yscale="log", title="title")
 
 
 def check_figure_path(path: str | os.PathLike) -> None:

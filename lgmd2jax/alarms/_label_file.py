@@ -246,7 +246,7 @@ class _Opened(NamedTuple):
         """
         name, table = self.name, self.table
         contact, last = table.get("contact"), math.inf if count is None else count - 1
-        check_stretches(name, last, {kind: table.get(kind) or [] for kind in ("alarm", "silent")})
+        check_stretches(name, last, {kind: table.get(kind) or [] for kind in ("alarm", "silent")}, contact)
         if (before := table.get("before_ms")) is not None:
             if contact is None:
                 raise ValueError(f"{name}: before_ms counts back from contact, which is missing; give its frame")

@@ -2,6 +2,7 @@
 
 import argparse
 import dataclasses
+import importlib
 import re
 import time
 from collections.abc import Iterable
@@ -11,6 +12,7 @@ from pathlib import Path
 import jax
 
 from lgmd2jax._files.atomic import read_json, replaced
+from lgmd2jax._files.lock import locked
 from lgmd2jax._recipes.fit import Recipe
 from lgmd2jax._recipes.load import load_recipe
 from lgmd2jax._results.fit_folder import FitFolder, load_fit
@@ -44,17 +46,12 @@ def run(options: argparse.Namespace) -> None:
         recipe = recipe.with_mechanisms(*options.mechanisms)
     folder = folder_of(options, recipe.name)
     if recipe.animals:
-        _fit_animals(options, recipe, folder, start)
+        with locked(folder):
+            _fit_animals(options, recipe, folder, start)
         return
     fit, extra = _fit_curves(options, recipe, folder, start)
     print(fit.summary(extra))
     print(f"\nwrote {folder}/ in {time.monotonic() - start:.0f} s; open {folder}/report.html")
-
-
-def _ready_to_draw() -> None:
-    from lgmd2jax._figures.style import warm_up  # with matplotlib, which takes half a second too
-
-    warm_up()
 
 
 def _fit_animals(options: argparse.Namespace, recipe: Recipe, folder: Path, start: float) -> None:
@@ -96,9 +93,9 @@ def _fit_curves(options: argparse.Namespace, recipe: Recipe, folder: Path, start
     if recipe.samples:
         check_packages()
     digest = recipe.digest()
-    # XLA leaves one core to the pool: it makes matplotlib ready beside the search, and draws beside what follows.
+    # XLA leaves one core to the pool: it loads matplotlib beside the search, and draws beside what follows.
     with kept_work(folder, digest, options.resume) as memory, ThreadPoolExecutor(1) as pool:
-        pool.submit(_ready_to_draw)
+        pool.submit(importlib.import_module, "lgmd2jax._figures.fit")
         print(f"fitting {', '.join(recipe.free.names)} to {len(recipe.pairs)} conditions of {recipe.name}", flush=True)
         fit = recipe.run(progress=True, memory=memory)
         notes, provenance = records(recipe, digest, start, folder)
