@@ -16,6 +16,7 @@ import argparse
 import csv
 import dataclasses
 import functools
+import itertools
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -64,6 +65,7 @@ QUIET, TOO_LOUD = 0.028, 0.03  # of the potential, where quiet is asked; beyond,
 
 FROM_SOBOL, FROM_KNOWN = 0.1, 0.04  # of the unit box: the spread of the first candidates
 CELLS = 64  # variants of a candidate
+PATIENCE = 25  # generations without a better model, after which the evolution begins anew from the best one
 
 
 class Passed(NamedTuple):
@@ -333,19 +335,26 @@ def run(options: argparse.Namespace, seed: int, known: Sequence[Float[np.ndarray
     else:
         search.views = (EXAM,)
         best = search.beginning(seed)
-    evolution = Evolution(
-        best.z, FROM_KNOWN if known else FROM_SOBOL, np.array(PROBLEM.cell_indices), variants=CELLS, seed=seed
-    )
+    chance = itertools.count(seed, 1000)
+
+    def evolution_from(z: Float[np.ndarray, " free"], spread: float) -> Evolution:
+        return Evolution(z, spread, np.array(PROBLEM.cell_indices), variants=CELLS, seed=next(chance))
+
+    evolution, better_at = evolution_from(best.z, FROM_KNOWN if known else FROM_SOBOL), 0
     print(f"    start  {best}", flush=True)
     while (minutes := (time.monotonic() - begun) / 60) < options.minutes:
         if len(search.views) < len(VIEWS) and minutes > options.minutes / 2:
             search.views = tuple(VIEWS.values())
             best = search.candidate(best.z)
+            evolution, better_at = evolution_from(best.z, FROM_KNOWN), 0
             print(f"all views  {best}", flush=True)
         after = search.generation(evolution, best)
         if after is not best:
+            better_at = evolution.generation
             print(f"{minutes:5.1f} min {after}", flush=True)
         best = after
+        if evolution.generation - better_at > PATIENCE:
+            evolution, better_at = evolution_from(best.z, FROM_KNOWN), 0
         if options.table and search.front:
             write_table(options.table, [*search.front, *([] if best in search.front else [best])])
     return best

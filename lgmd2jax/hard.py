@@ -567,13 +567,16 @@ def _check_rate(fps):
 
 
 def _warn_of_levels(frame):
-    highest = frame.max()
+    lowest, highest = frame.min(), frame.max()
     if highest > BRIGHTEST:
         warnings.warn(
             f"a frame reaches {highest:g}; grey levels lie in 0..255: multiply by 255 over what is white", stacklevel=3
         )
-    elif 0 < highest <= 1 and frame.min() < highest:
-        warnings.warn("a frame lies in 0..1; were grey levels in 0..255 meant? Multiply by 255", stacklevel=3)
+    elif -1 <= lowest < highest <= 1:
+        span = "0..1" if lowest >= 0 else "-1..1"
+        warnings.warn(
+            f"a frame lies in {span}; were grey levels in 0..255 meant? Give black as 0 and white as 255", stacklevel=3
+        )
 
 
 def _is_positive(value):

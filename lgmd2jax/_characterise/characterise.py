@@ -13,7 +13,7 @@ from lgmd2jax._characterise.result import Characterisation, JudgedAs
 from lgmd2jax._characterise.selectivity import Estimate, intervals
 from lgmd2jax._compute.traced_once import traced_once
 from lgmd2jax._eye import Eye
-from lgmd2jax._network.abstract import AbstractNetwork
+from lgmd2jax._network.abstract import AbstractNetwork, check_network
 from lgmd2jax._network.parameters import symbols
 from lgmd2jax._network.variants import ablate
 from lgmd2jax._types import check_key
@@ -134,8 +134,7 @@ def _neuron(model: AbstractNetwork) -> JudgedAs:
 
 
 def _usable(model: AbstractNetwork) -> Eye:
-    if not isinstance(model, AbstractNetwork):
-        raise ValueError(f"model is {model!r:.40}; give an LGMD2 or a Fit")
+    check_network(model)
     eye = model.eye
     if eye is None:
         raise ValueError(

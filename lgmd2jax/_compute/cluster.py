@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from distributed import Client
 
+_DECIDING = ("jax", "jaxlib", "equinox", "optimistix", "lineax", "numpy")
+
 
 def need(*packages: str, extra: str) -> None:
     """Raise `ValueError` that names the extra where a package is not installed."""
@@ -38,10 +40,11 @@ def checked_client(client: Any) -> "Client":
 
 @functools.cache
 def running_versions() -> str:
-    """What decides the numbers that this process computes: jax and lgmd2jax, the latter to the letter of its source."""
+    """What decides the numbers that this process computes: lgmd2jax to the letter of its source, and what it calls."""
     package = Path(__file__).parents[1]
     source = hashlib.sha256(b"".join(path.read_bytes() for path in sorted(package.rglob("*.py")))).hexdigest()[:12]
-    return f"lgmd2jax {version('lgmd2jax')} (source {source}) with jax {version('jax')}"
+    others = ", ".join(f"{name} {version(name)}" for name in _DECIDING)
+    return f"lgmd2jax {version('lgmd2jax')} (source {source}) with {others}"
 
 
 def _check_versions(worker: str, worker_runs: str, client_runs: str) -> None:

@@ -3,7 +3,7 @@
 import contextlib
 import os
 import threading
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, MutableMapping
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from typing import TYPE_CHECKING, Any
 
@@ -43,6 +43,8 @@ class Work:
         digest: str = "",
         total: int | None = None,
     ):
+        if not isinstance(memory, MutableMapping):
+            raise ValueError(f"memory is {memory!r:.60}; give a mapping that keeps what is set, such as a dict")
         if memory and memory.get(_DIGEST, "") != digest:
             raise ValueError(
                 "memory keeps the work of another fit, of other data, bounds, model or settings, or of another "

@@ -14,7 +14,6 @@ import os
 import pickle
 import threading
 from collections.abc import Callable, Iterator
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NamedTuple, ParamSpec, TypeVar
 
@@ -33,7 +32,6 @@ from lgmd2jax._types import is_concrete
 P = ParamSpec("P")
 Out = TypeVar("Out")
 
-_RELEASES = "jaxlib", "equinox", "optimistix", "lineax", "numpy"  # beside jax, which `running_versions` names
 _compiling = threading.Lock()
 _DIGEST_BYTES = hashlib.sha256().digest_size
 
@@ -109,7 +107,7 @@ def _surroundings() -> tuple:
     told = {
         name: value for name, value in os.environ.items() if name.startswith(("JAX_", "XLA_")) and "CACHE" not in name
     }
-    return running_versions(), *map(version, _RELEASES), processor(), told
+    return running_versions(), processor(), told
 
 
 def _program(function: Callable, folder: Path, arguments: Any, arrays: list) -> _Program | None:

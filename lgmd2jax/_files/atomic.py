@@ -51,13 +51,23 @@ def naming(folder: Path) -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def all_replaced(paths: Iterable[Path | None]) -> Iterator[dict[Path, Path]]:
+def all_replaced(
+    paths: Iterable[Path | None], kept: Iterable[str | os.PathLike | None] = ()
+) -> Iterator[dict[Path, Path]]:
     """The temporary path of each of several files, as of `replaced`; None is a file that nobody wants.
 
-    **Raises:** `ValueError` as `replaced`.
+    **Arguments:** `kept`: what is read, and so must not be written over.
+
+    **Raises:** `ValueError` as `replaced`, and for a file that is named twice, or is one of those that are kept.
     """
+    wanted = [path for path in paths if path is not None]
+    taken = {Path(path).resolve() for path in kept if path is not None}
+    for path in wanted:
+        if (place := path.resolve()) in taken:
+            raise ValueError(f"{path.name} is named twice; what is read and what is written need names of their own")
+        taken.add(place)
     with contextlib.ExitStack() as stack:
-        yield {path: stack.enter_context(replaced(path)) for path in paths if path is not None}
+        yield {path: stack.enter_context(replaced(path)) for path in wanted}
 
 
 def write_json(path: Path, content: Any) -> None:

@@ -17,7 +17,7 @@ from lgmd2jax._eye import Eye
 from lgmd2jax._files.atomic import read_json, replaced
 from lgmd2jax._handover.response_vector import response_vector
 from lgmd2jax._handover.test_vector import make_test_vector
-from lgmd2jax._network.abstract import AbstractNetwork, parameters_of
+from lgmd2jax._network.abstract import AbstractNetwork, check_network, parameters_of
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._network.networks import NETWORKS
 from lgmd2jax._network.parameter_set import declared
@@ -54,6 +54,7 @@ def document(model: AbstractNetwork, provenance: Mapping[str, Plain] | None = No
 
     **Raises:** `ValueError` as `save`.
     """
+    check_network(model)
     model = dataclasses.replace(model, thresholds=Hard())
     parameters, mechanisms = _values(model)
     eye = None if model.eye is None else dataclasses.asdict(model.eye)

@@ -186,6 +186,8 @@ class AbstractNetwork(eqx.Module):
         **Raises:** `ValueError` for a wrong shape.
         """
         frame = _as_pixels(frame, "frame", "(row, col)", rank=2)
+        if is_concrete(frame):
+            _warn_of_levels(np.asarray(frame))
         rows, cols = frame.shape
         frame = frame.astype(self._dtype_for(frame))
         return State(_in(self.pixels, frame.dtype).rest(frame), self._cell_for(frame).rest(), (rows, cols))
@@ -213,6 +215,8 @@ class AbstractNetwork(eqx.Module):
         **Raises:** `ValueError` as for a call, and for a frame of another size than the state's.
         """
         frame = _as_pixels(frame, "frame", "(row, col)", rank=2)
+        if not isinstance(state, State):
+            raise ValueError(f"state is {state!r:.40}; give the one that init or the last step returned")
         if frame.shape != state.shape:
             raise ValueError(f"frame has shape {frame.shape}, the state {state.shape}; start again with init(frame)")
         lasts = self._interval(fps, interval, ())
@@ -313,10 +317,23 @@ def _advance(network: AbstractNetwork, state: State, frame, interval, record) ->
     network, interval = _opaque((network, interval))
     frame = frame.astype(network._dtype_for(frame))
     pixels, cell = _in(network.pixels, frame.dtype), network._cell_for(frame)
+    rest = jax.eval_shape(lambda: (pixels.rest(frame), cell.rest()))
+    if _form(rest) != _form((state.pixels, state.cell)):
+        raise ValueError("state belongs to a model of another structure; start anew with init(frame)")
     pixel_state, sums, layers = pixels.step(state.pixels, frame, interval.astype(frame.dtype))
     cell_state, response = cell.step(state.cell, *cast((sums, interval), cell.parameters.dtype), frame.size)
     response = dataclasses.replace(_nan_as(sums, response), recorded=None if record is None else record(layers))
     return State(pixel_state, cell_state, state.shape), response
+
+
+def check_network(model: object, kind: type[AbstractNetwork] = AbstractNetwork) -> None:
+    """Raise `ValueError` for what is no network of this kind, such as its class."""
+    if not isinstance(model, kind):
+        raise ValueError(f"model is {model!r:.60}; give a model, such as lgmd2jax.LGMD2()")
+
+
+def _form(tree) -> tuple[Any, list[tuple[int, ...]]]:
+    return jax.tree.structure(tree), [leaf.shape for leaf in jax.tree.leaves(tree)]
 
 
 def _nan_as(sums: Sums, response: Response) -> Response:
@@ -340,10 +357,15 @@ def _opaque(tree):
 
 def _as_pixels(frames, name: str, shape: str, rank: int) -> Array:
     """Frames as an array of JAX's, their shape and dtype checked."""
+    if isinstance(frames, np.ma.MaskedArray):
+        raise ValueError(f"{name} is masked; fill what is masked with a grey level first: {name}.filled(128)")
+    if isinstance(frames, np.ndarray):
+        frames = frames.astype(frames.dtype.newbyteorder("="), copy=False)  # as the files of some instruments are not
     try:
         frames = jnp.asarray(frames)
-    except TypeError:
-        raise ValueError(f"{name} is {frames!r:.40}; give an array of grey levels as {shape}") from None
+    except (TypeError, ValueError):
+        what = f"has dtype {frames.dtype}" if isinstance(frames, np.ndarray) else f"is {frames!r:.40}"
+        raise ValueError(f"{name} {what}; give an array of grey levels as {shape}") from None
     if frames.ndim != rank:
         raise ValueError(f"{name} has shape {frames.shape}; give grey levels as {shape}")
     if min(frames.shape[-2:]) < 3:
@@ -355,9 +377,12 @@ def _as_pixels(frames, name: str, shape: str, rank: int) -> Array:
 
 def _warn_of_levels(frames: np.ndarray) -> None:
     """Warn of frames that are hardly meant in grey levels 0..255."""
-    highest = frames.max()
-    if 0 < highest <= 1 and 0 <= frames.min() < highest:
-        warnings.warn("frames lie in 0..1; were grey levels in 0..255 meant? Multiply by 255", stacklevel=3)
+    lowest, highest = frames.min(), frames.max()
+    if -1 <= lowest < highest <= 1:
+        span = "0..1" if lowest >= 0 else "-1..1"
+        warnings.warn(
+            f"frames lie in {span}; were grey levels in 0..255 meant? Give black as 0 and white as 255", stacklevel=3
+        )
     elif BRIGHTEST < highest < np.inf:
         warnings.warn(
             f"frames reach {highest:g}; grey levels lie in 0..255: multiply by 255 over what is white", stacklevel=3

@@ -17,7 +17,15 @@ from lgmd2jax._handover.model_file import load, save
 from lgmd2jax._results.fit_data import DATA, entry_of, holds, source_of_data, write_data
 from lgmd2jax._results.fit_json import content_of, fit_of, plain
 from lgmd2jax._results.posterior_nc import write_posterior
-from lgmd2jax._results.results_folder import ALARM_FIT, FIGURES, MARKER, Documents, ResultsFolder, warn_if_unfinished
+from lgmd2jax._results.results_folder import (
+    ALARM_FIT,
+    FIGURES,
+    MARKER,
+    SEARCH,
+    Documents,
+    ResultsFolder,
+    warn_if_unfinished,
+)
 from lgmd2jax._schemas.check import check
 from lgmd2jax._schemas.fit import FIT, ROWS
 from lgmd2jax._targets.observation import Observation
@@ -26,6 +34,7 @@ from lgmd2jax.fitting import Curve, Fit, Posterior, Supplement
 from lgmd2jax.fitting._conditions import AnyCondition
 from lgmd2jax.fitting._curve import rest_of
 from lgmd2jax.fitting._problem import Problem
+from lgmd2jax.fitting._search.descent import STOPPED
 
 _FIGURES = ("fit.png", "diagnostics.png")
 _POSTERIOR = "posterior.nc"
@@ -49,7 +58,8 @@ def save_fit(
     """Write a fit's folder: model.json, fit.json, curves.csv, fit.png, diagnostics.png, report.txt and report.html.
 
     The folder appears whole; an old one of results is replaced in one step, and what else stands in it is kept. The
-    figures follow in a second step, until which the report calls them unfinished.
+    figures follow in a second step, until which the report calls them unfinished. A fit that was stopped by hand is
+    marked as unfinished, in the model too.
 
     **Arguments:** `name`: of the report, by default the folder's. `extra`: further sections of the report.
     `provenance`: plain values for model.json, which equal fits share. `notes`: what else fit.json is to say.
@@ -61,10 +71,14 @@ def save_fit(
     if made is not None:
         warn_renamed("save_fit(made=...)", "save_fit(notes=...)")
         notes = made
+    extra, provenance = extra or Supplement(), provenance or {}
+    if fit.result == STOPPED:
+        extra = dataclasses.replace(extra, unfinished=(SEARCH, *extra.unfinished))
+        provenance = {**provenance, "unfinished": SEARCH}
     with locked(folder):
         results = FitFolder(fit, Path(folder), name or Path(folder).absolute().name, notes or {})
-        results.begin(extra or Supplement(), provenance or {}, draws)
-        results.draw(extra or Supplement())
+        results.begin(extra, provenance, draws)
+        results.draw(extra)
 
 
 @dataclasses.dataclass(frozen=True)

@@ -79,11 +79,12 @@ class Store:
         return [number for number in self._plan.numbers() if not done[number] or self._lost(group, number)]
 
     def _lost(self, group: Any, number: int) -> bool:
-        """Whether a file of a marked block is gone; what is read in its place would be NaN."""
+        """Whether a file of a marked block is gone or empty; what is read in its place would be NaN, or nothing."""
         place = np.unravel_index(number, self._plan.blocks) if self._plan.blocks else ()
         for name, (shape, _) in self._plan.variables.items():
             key = group[name].metadata.encode_chunk_key((*map(int, place), *(0 for _ in shape)))
-            if not (self._path / name / key).is_file():
+            chunk = self._path / name / key
+            if not (chunk.is_file() and chunk.stat().st_size):  # a crash of the machine leaves empty ones
                 return True
         return False
 

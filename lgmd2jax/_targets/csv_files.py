@@ -50,10 +50,10 @@ def read_target(
     **Raises:** `ValueError`, which names the file, for a column that is not there or there twice, for what is no finite
     number, where the time or the separator could be several, and as `Target`; `OSError` where it cannot be read.
     """
-    names = [column] if isinstance(column, str) else list(column)
+    names = [column] if isinstance(column, str) else column
     try:
-        if not names:
-            raise ValueError("column is an empty list; name at least one")
+        if not (isinstance(names, Sequence) and names and all(isinstance(name, str) for name in names)):
+            raise ValueError(f"column is {column!r:.60}; give a name of the header, or a list of them")
         factors = [_factor(name, unit, channel) for name in [*names, *([sem] if sem else [])]]
         table = read_columns(path, separator, decimal).where(where)
         clock, ms = table.time(time, time_unit, [*names, *(where or ()), *([sem] if sem else [])])

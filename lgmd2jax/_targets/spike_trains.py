@@ -24,6 +24,7 @@ Likelihood = Literal["normal", "poisson"]
 _COARSE = 10  # standard deviations of the kernel between two samples, from which spikes fall between them
 _REFRACTORY_MS = 0.5  # spikes of a neuron do not follow each other faster
 _POOLED = 4  # animals for which the dispersion counts that all times share
+_RASTER = (0, 1)  # what a bin of a raster holds; no neuron fires thrice within these two ms
 _HALF_A_SPIKE = 0.5  # Jeffreys' prior of a count: silence does not tell that the rate is 0 exactly
 
 
@@ -190,9 +191,9 @@ def _check_clock(spikes: np.ndarray, time: np.ndarray) -> None:
 
 def _kernel(kernel_ms: Any) -> float | int:
     kernel_ms = duration(kernel_ms, "kernel_ms")
-    if not (math.isfinite(kernel_ms) and kernel_ms > 0):
-        raise ValueError(f"kernel_ms is {kernel_ms} ms; give a positive number")
-    return kernel_ms
+    if not (isinstance(kernel_ms, (int, float, np.number)) and math.isfinite(kernel_ms) and kernel_ms > 0):
+        raise ValueError(f"kernel_ms is {kernel_ms!r} ms; give a positive number")
+    return float(kernel_ms)
 
 
 def _nested(trials: Any) -> Any:
@@ -228,4 +229,6 @@ def _times(trial: Any, name: str) -> np.ndarray:
     spikes = times(trial, name)
     if spikes.ndim != 1 or not np.all(np.isfinite(spikes)):
         raise ValueError(f"{name} is {' '.join(repr(trial).split()):.40}; give finite spike times in ms, one axis")
+    if spikes.size > len(_RASTER) and np.isin(spikes, _RASTER).all():
+        raise ValueError(f"{name} holds {spikes.size} times 0 or 1, as a raster does; give the spikes' times in ms")
     return spikes

@@ -124,6 +124,8 @@ def _plain(values: Any, unit: Unit) -> np.ndarray:
         return np.asarray(array.astype("timedelta64[ns]").astype(float) / 1e6)
     if array.dtype.kind in _KINDS:
         raise ValueError(f"these are {_KINDS[array.dtype.kind]}")
+    if array.dtype.kind == "c":
+        raise _NoNumbersError
     try:
         if isinstance(values, np.ma.MaskedArray):
             return np.ma.filled(values.astype(float), np.nan)

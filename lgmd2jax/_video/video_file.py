@@ -13,6 +13,7 @@ from lgmd2jax._video.video_pixels import Scaler, VideoPixels
 
 _NO_TIME_STAMPS = 0x80  # AVFMT_NOTIMESTAMPS: what ffmpeg says of such a file's rate is its own default of 25
 _COVER = 0x400  # AV_DISPOSITION_ATTACHED_PIC: the picture of a sound file
+_HDR: dict[int | None, str] = {16: "PQ", 18: "HLG"}  # by ffmpeg's numbers of transfer curves (AVCOL_TRC)
 _PEEK = 300  # packets by which the usual interval is known
 
 
@@ -42,6 +43,11 @@ class VideoFile:
             self._seconds = _announced_seconds(container, stream)
             self.count = stream.frames or None
             self.remarks = (f"it holds {len(streams)} videos; the first is used",) if len(streams) > 1 else ()
+            if (curve := _HDR.get(getattr(stream.codec_context, "color_trc", None))) is not None:
+                self.remarks += (
+                    f"its levels are coded for HDR ({curve}), in which contrasts are others than in usual video; "
+                    "convert it to that first (tone mapping)",
+                )
             self.fps = self._rate(container, stream)
 
     def __iter__(self) -> Iterator[tuple[VideoPixels, float | None]]:

@@ -7,10 +7,16 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 from jaxtyping import Float
 
+from lgmd2jax._compute.cluster import need
 from lgmd2jax.alarms._clip import LabelledClip
 from lgmd2jax.alarms._evaluation import Evaluation
 
 _AVERAGE_MS = 150.0  # about as long as an alarm of the model counts spikes
+
+
+def check_packages() -> None:
+    """Raise `ValueError` where the package that the flow needs is not installed: before clips are decoded."""
+    need("cv2", extra="baselines")
 
 
 def difference(clip: LabelledClip) -> Float[np.ndarray, " time"]:
@@ -27,10 +33,9 @@ def divergence(clip: LabelledClip) -> Float[np.ndarray, " time"]:
 
     **Raises:** `ValueError` where OpenCV is missing.
     """
-    try:
-        import cv2
-    except ImportError:
-        raise ValueError("the divergence of optical flow needs OpenCV: pip install 'lgmd2jax[baselines]'") from None
+    check_packages()
+    import cv2
+
     frames = np.round(clip.frames).clip(0, 255).astype(np.uint8)
     side = max(3, frames.shape[1] // 3)
     largest, flow = [0.0], np.zeros((*frames.shape[1:], 2), np.float32)

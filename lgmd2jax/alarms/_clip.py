@@ -133,7 +133,7 @@ def labels_of(
 
     **Raises:** `ValueError` for stretches that are reversed, overlap, lie outside of the clip or hold repeats alone.
     """
-    check_stretches(name, count - 1, {"alarm": windows, "silent": silent})
+    check_stretches(name, count - 1, {"alarm": windows, "silent": silent}, contact)
     labels = ClipLabels(name, float(fps), index, time, interval, _pairs(windows), _pairs(silent), contact)
     for window, inside in zip(labels.windows, labels.in_windows(), strict=True):
         if not inside.any():
@@ -145,8 +145,13 @@ def _pairs(stretches: Sequence[Sequence[int]]) -> tuple[Stretch, ...]:
     return tuple((int(first), int(last)) for first, last in stretches)
 
 
-def check_stretches(name: str, last: float | int, kinds: Mapping[str, Sequence[Sequence[int]]]) -> None:
-    """Raise `ValueError` for a stretch that is reversed, lies outside of frames 0 to `last`, or meets another one."""
+def check_stretches(
+    name: str, last: float | int, kinds: Mapping[str, Sequence[Sequence[int]]], contact: int | None
+) -> None:
+    """Raise `ValueError` for a stretch that is reversed, lies outside of frames 0 to `last`, or meets another one.
+
+    Also for a contact before the first window in which an alarm is wanted.
+    """
     labels = []
     for kind, pairs in kinds.items():
         for pair in pairs:
@@ -161,6 +166,9 @@ def check_stretches(name: str, last: float | int, kinds: Mapping[str, Sequence[S
                 )
             labels.append((first, end, kind))
     labels.sort()
+    alarm = min((first for first, _, kind in labels if kind == "alarm"), default=None)
+    if contact is not None and alarm is not None and contact < alarm:
+        raise ValueError(f"{name}: contact is frame {contact}, before an alarm is wanted, from {alarm} on; mend one")
     for (_, end, kind), (first, _, other) in itertools.pairwise(labels):
         if first <= end:
             raise ValueError(f"{name}: {kind} up to {end} and {other} from {first} overlap; shorten one of them")

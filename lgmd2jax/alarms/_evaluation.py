@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from lgmd2jax._compute.traced_once import traced_once
+from lgmd2jax._network.abstract import check_network
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._signals import stretches
 from lgmd2jax.alarms._clip import ClipLabels, LabelledClip, Stretch
@@ -151,6 +152,7 @@ def evaluate(model: LGMD2, clips: Sequence[LabelledClip]) -> Evaluation:
 
     **Raises:** `ValueError` for no clips.
     """
+    check_network(model, LGMD2)
     if not clips:
         raise ValueError("clips is empty; give at least one")
     traces: dict[int, np.ndarray] = {}

@@ -11,6 +11,7 @@ from jaxtyping import Array
 from lgmd2jax._compute.fingerprint import fingerprint
 from lgmd2jax._compute.finished_work import Memory
 from lgmd2jax._compute.tasks import Result, Work
+from lgmd2jax._network.abstract import check_network
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._network.thresholds import Hard
 from lgmd2jax._targets.observation import Observation
@@ -21,6 +22,7 @@ from lgmd2jax.alarms._problem import AlarmProblem, problem_of
 from lgmd2jax.alarms._result import AlarmFit
 from lgmd2jax.alarms._starts import AlarmDescent, AlarmStarts, Candidate, Screening, risk
 from lgmd2jax.fitting import Free
+from lgmd2jax.fitting._free import check_free
 from lgmd2jax.fitting._search.search import TEMPERATURES, Search, check_counts
 
 if TYPE_CHECKING:
@@ -82,7 +84,9 @@ def fit(
     **Raises:** `ValueError` for no clips, for clips in which no alarm is wanted, for a start outside of its bounds, for
     the memory of another fit, and for numbers that make no sense.
     """
+    check_network(model, LGMD2)
     check_key(key)
+    check_free(free)
     _check(model, clips, {"miss": miss, "false_alarm": false_alarm, "recorded": 1 if recorded is None else recorded})
     check_counts({"pixel_points": pixel_points, "cell_points": cell_points, "max_steps": max_steps}, at_least=1)
     check_counts({"generations": generations, "descend": descend}, at_least=0)

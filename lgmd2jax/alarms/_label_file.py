@@ -29,7 +29,8 @@ from lgmd2jax.alarms._reasons import Drive
 from lgmd2jax.alarms._streaming import streamed_evidence
 from lgmd2jax.stimuli import Encounter, encounters, films
 
-_SETTLE = 10  # frames at the beginning of a clip that are not judged: the network comes to rest
+_SETTLE = 10  # frames at the beginning of a recorded clip that are not judged: the network comes to rest
+_SETTLE_MS = 333.0  # the same of a rendered one, whatever its frame rate
 _GRACE_MS = 1000.0  # after contact nothing is judged: the camera jolts
 
 
@@ -38,6 +39,7 @@ class Rendering:
     """Which clips to render: how many, from which seed and world, and how time to contact becomes a label.
 
     - `world`: `"encounters"`, single objects before a screen, or `"films"`, which have the statistics of real ones.
+    - `duration_ms`: of a clip; by default 3,000 of an encounter and 5,600 of a film.
     - `alarm_below_ms`: an alarm is wanted while contact is nearer than that, on a collision course of a dark object.
     - `silent_above_ms`: silence is wanted while it is further away than that; between the two nothing is judged.
     """
@@ -45,7 +47,7 @@ class Rendering:
     count: int
     seed: int = 0
     world: Literal["encounters", "films"] = "encounters"
-    duration_ms: float | int = 3000.0
+    duration_ms: float | int | None = None
     alarm_below_ms: float | int = 1000.0
     silent_above_ms: float | int = 2000.0
 
@@ -61,7 +63,8 @@ class Rendering:
     def clips(self, eye: Eye) -> Iterator[LabelledClip]:
         """Render the clips for an eye, one by one, with their labels."""
         world = {"encounters": encounters, "films": films}[self.world]
-        shown = world(eye, jax.random.key(self.seed), self.count, duration_ms=self.duration_ms)
+        lasts = {} if self.duration_ms is None else {"duration_ms": self.duration_ms}
+        shown = world(eye, jax.random.key(self.seed), self.count, **lasts)
         for number, encounter in enumerate(shown):
             yield self.labelled(f"{number:03d} {encounter.kind}", encounter)
 
@@ -69,7 +72,7 @@ class Rendering:
         """A rendered clip with its labels."""
         left = np.asarray(encounter.time_to_contact_ms)
         count = len(left)
-        judged = np.arange(count) >= _SETTLE
+        judged = np.asarray(encounter.stimulus.time) >= _SETTLE_MS
         contact = None
         if np.isfinite(left[-1]):
             contact = count - 1 + round(float(left[-1]) * encounter.stimulus.fps / 1000)
@@ -243,7 +246,7 @@ class _Opened(NamedTuple):
         """
         name, table = self.name, self.table
         contact, last = table.get("contact"), math.inf if count is None else count - 1
-        check_stretches(name, last, {kind: table.get(kind) or [] for kind in ("alarm", "silent")})
+        check_stretches(name, last, {kind: table.get(kind) or [] for kind in ("alarm", "silent")}, contact)
         if (before := table.get("before_ms")) is not None:
             if contact is None:
                 raise ValueError(f"{name}: before_ms counts back from contact, which is missing; give its frame")

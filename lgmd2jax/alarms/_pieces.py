@@ -8,7 +8,7 @@ import numpy as np
 from lgmd2jax._signals import stretches
 from lgmd2jax.alarms._clip import LabelledClip, Stretch
 
-_PIECE_MS = 5000.0  # about so long each; a rendered clip lasts 3000
+_PIECE_MS = 5000.0  # about so long each; a rendered film lasts 5600
 _LEAD_MS = 2000.0  # shown before a piece, so that the network comes to the state that it has in the whole clip
 
 

@@ -29,7 +29,7 @@ def run(options: argparse.Namespace) -> None:
     use_all_cores()
     known = detectors(None if options.model is None else model_named(options.model))
     outputs = [path for path in (options.json, options.figure) if path is not None]
-    with all_replaced(outputs) as files:
+    with all_replaced(outputs, [options.model]) as files:
         outcomes, seeds = {}, range(options.seeds)
         for name, detector in tqdm(known.items(), desc="detectors", leave=False):
             layouts, trips = drive_robots(detector, seeds, turn=options.turn, seconds=options.seconds)

@@ -35,7 +35,7 @@ def run(options: argparse.Namespace) -> None:
         check_figure_path(options.figure)
     models = {name: _named(name, options.intervals) for name in options.models}
     outputs = [path for path in (options.json, options.figure) if path is not None]
-    with all_replaced(outputs) as files:
+    with all_replaced(outputs, options.models) as files:
         results, remarks = _examined(models, options)
         if options.json:
             content = {"models": {name: result.plain() for name, result in results.items()}, "remarks": remarks}

@@ -13,12 +13,12 @@ def run(options: argparse.Namespace) -> None:
 
     if options.figure:
         check_figure_path(options.figure)
-    writers = {options.json: write_json, options.csv: write_csv, options.figure: comparison_figure}
-    writers.pop(None, None)
-    with all_replaced(writers) as files:
+    writers = ((options.json, write_json), (options.csv, write_csv), (options.figure, comparison_figure))
+    writers = [(path, write) for path, write in writers if path is not None]
+    with all_replaced(path for path, _ in writers) as files:
         comparison = compare(options.fits, properties=options.properties, progress=True)
-        for path, write in writers.items():
+        for path, write in writers:
             write(files[path], comparison)
     print(comparison.summary())
     if writers:
-        print("\nwrote " + ", ".join(map(str, writers)))
+        print("\nwrote " + ", ".join(str(path) for path, _ in writers))

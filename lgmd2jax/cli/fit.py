@@ -12,6 +12,7 @@ from pathlib import Path
 import jax
 
 from lgmd2jax._files.atomic import read_json, replaced
+from lgmd2jax._files.lock import locked
 from lgmd2jax._recipes.fit import Recipe
 from lgmd2jax._recipes.load import load_recipe
 from lgmd2jax._results.fit_folder import FitFolder, load_fit
@@ -45,7 +46,8 @@ def run(options: argparse.Namespace) -> None:
         recipe = recipe.with_mechanisms(*options.mechanisms)
     folder = folder_of(options, recipe.name)
     if recipe.animals:
-        _fit_animals(options, recipe, folder, start)
+        with locked(folder):
+            _fit_animals(options, recipe, folder, start)
         return
     fit, extra = _fit_curves(options, recipe, folder, start)
     print(fit.summary(extra))

@@ -31,8 +31,6 @@ _SHARES = {"median": 0.5, "99 %": 0.99, "most": 1.0}  # of the frames, of which 
 def run(options: argparse.Namespace) -> None:
     """Run the model until the source ends, Ctrl-C, or an error; what came until then is written in each case."""
     outputs = [path for path in (options.csv, options.overlay) if path is not None]
-    if len({path.resolve() for path in outputs}) < len(outputs):
-        raise ValueError(f"{outputs[0].name} is named twice; table and overlay need names of their own")
     if not (math.isfinite(options.timeout) and options.timeout > 0):
         raise ValueError(f"timeout is {options.timeout:g}; give a positive number of seconds")
     if options.resize is not None and options.resize < 3:
@@ -42,7 +40,7 @@ def run(options: argparse.Namespace) -> None:
     cols = options.resize or (_COLS if model.eye is None else model.eye.cols)
     tally, failure = Tally(), None
     with contextlib.ExitStack() as stack:
-        files = stack.enter_context(all_replaced(outputs))
+        files = stack.enter_context(all_replaced(outputs, (options.source, options.model)))
         source = stack.enter_context(open_live(options.source, options.timeout))
         fps = source.fps or (_FPS if model.eye is None else model.eye.fps)
         if model.eye is not None and abs(fps / model.eye.fps - 1) > 0.01:

@@ -15,7 +15,7 @@ def run(options: argparse.Namespace) -> None:
     if options.figure:
         check_figure_path(options.figure)
     outputs = [path for path in (options.json, options.figure) if path is not None]
-    with all_replaced(outputs) as files:
+    with all_replaced(outputs, options.data) as files:
         law = trials_of(options).looming_law(options.kernel_ms, resamples=options.resamples, seed=options.seed)
         if options.json:
             text = json.dumps(law.plain(), indent=1, allow_nan=False, ensure_ascii=False)

@@ -3,6 +3,7 @@
 import argparse
 import contextlib
 import importlib
+import io
 import os
 import sys
 import traceback
@@ -66,6 +67,7 @@ exit status:
   2    the command line is wrong
   70   a fault of lgmd2jax itself: please report it, with what --traceback shows
   130  stopped by Ctrl-C
+  141  nobody reads the output any more, as behind | head
 """
 
 
@@ -99,21 +101,35 @@ def main(arguments: list[str] | None = None) -> int:
     **Raises:** `SystemExit` for `--help`, `--version`, and what argparse refuses.
     """
     whole = arguments is None
+    if whole and isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")  # names that the terminal cannot show, as standard error does
     options = argparse.Namespace(traceback=False, no_compilation_cache=False)
     try:
+        _check_names(sys.argv[1:] if arguments is None else arguments)
         with _remarks_as_lines():
             with ended_by_ctrl_c() if whole else contextlib.nullcontext():
                 _parser().parse_args(arguments, options)
                 command = _loaded(options.command, keep=not options.no_compilation_cache)
             with interrupted_by_ctrl_c() if whole else contextlib.nullcontext():
                 command.run(options)
+                print(end="", flush=True)  # so that a reader that has gone is known here, and not when Python ends
     except (Exception, KeyboardInterrupt) as error:
+        if type(error) is BrokenPipeError:  # of Python's own output; ffmpeg's is a subclass
+            os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # for what is left to be written
+            return 141
         if options.traceback:
             traceback.print_exception(error)
         message, status = _explanation(error)
         print(f"lgmd2jax: {' '.join(message.split())}", file=sys.stderr)
         return status
     return 0
+
+
+def _check_names(words: list[str]) -> None:
+    """Raise `ValueError` for a word that no report and no figure can show: the name of a file that is not in UTF-8."""
+    for word in words:
+        if any("\udc80" <= letter <= "\udcff" for letter in word):
+            raise ValueError(f"{word!a} is no name in UTF-8, in which results are written; rename it")
 
 
 @contextlib.contextmanager

@@ -32,7 +32,6 @@ def run(options: argparse.Namespace) -> None:
     name = place.stem if place.is_file() else place.name
     table, figure = options.csv or Path(f"{name}.csv"), options.figure or Path(f"{name}.png")
     outputs = [path for path in (table, figure, options.overlay) if path is not None]
-    _check_outputs(options.clip, outputs)
     check_figure_path(figure)
     model = with_parameters(model_named(options.model), options.set)
     crop = None if options.crop is None else window_of(options.crop)
@@ -50,7 +49,7 @@ def run(options: argparse.Namespace) -> None:
 
     rows, snapshots, start = Rows(), Snapshots(), 0.0
     with contextlib.ExitStack() as stack:
-        files = stack.enter_context(all_replaced(outputs))
+        files = stack.enter_context(all_replaced(outputs, (options.clip, options.model)))
         writer = csv.writer(stack.enter_context(open(files[table], "w", newline="", encoding="utf-8")))
         writer.writerow(Row._fields)
         film, overlay = None, Overlay(clip.size, model)
@@ -147,10 +146,3 @@ def _model_text(options) -> str:
 def _progress(frames: Iterable, what: str, count: int | None) -> tqdm:
     """A bar on standard error, where somebody is looking."""
     return tqdm(frames, what, count, unit=" frames", leave=False, disable=None)
-
-
-def _check_outputs(clip: Path, outputs: list[Path]) -> None:
-    places = [path.resolve() for path in (clip, *outputs)]
-    for place in places:
-        if places.count(place) > 1:
-            raise ValueError(f"{place.name} is named twice; clip, table, figure and overlay need names of their own")

@@ -9,6 +9,7 @@ from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._reports.section import as_text
 from lgmd2jax._results.fit_json import plain
 from lgmd2jax.alarms import Comparison, Detector, detectors, evaluate, load_labels
+from lgmd2jax.alarms._baselines import check_packages
 from lgmd2jax.alarms._detectors import MODEL
 from lgmd2jax.alarms._report import clip_section, comparison_section, write_table
 
@@ -20,6 +21,8 @@ def run(options: argparse.Namespace) -> None:
 
     if options.figure:
         check_figure_path(options.figure)
+    if options.baselines:
+        check_packages()
     model = with_parameters(model_named(options.model), options.set)
     if not isinstance(model, LGMD2):
         raise ValueError(f"{options.model} is not an LGMD2; for another network use lgmd2jax respond")
@@ -31,7 +34,7 @@ def run(options: argparse.Namespace) -> None:
             file=sys.stderr,
         )
     outputs = [path for path in (options.csv, options.figure, options.json) if path]
-    with all_replaced(outputs) as files:
+    with all_replaced(outputs, (options.labels, options.model)) as files:
         if options.baselines:
             clips = file.load()
             evaluations = {MODEL: evaluate(model, clips), **detectors(clips, model)}

@@ -85,10 +85,10 @@ def fit_each(
         try:
             waiting = {name: run(task, name, pairs) for name, pairs in animals.items()}
             for name, result in waiting.items():
-                fits[name] = result()
+                if (own := result()).result == STOPPED:  # its best so far would pass for the animal's fit
+                    raise KeyboardInterrupt
+                fits[name] = own
                 bar.update()
-                if fits[name].result == STOPPED:
-                    break
         except KeyboardInterrupt:
             if not fits:
                 raise

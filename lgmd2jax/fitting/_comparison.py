@@ -93,14 +93,17 @@ class Comparison:
 
     @property
     def left_out_in_mean(self) -> Float[np.ndarray, " fit"]:
-        """R2 of the conditions that were left out, each weighed by what there is to explain in its first target."""
+        """R2 of the conditions that were left out, each weighed by what there is to explain in its first target.
+
+        NaN for a fit that lacks one of those which another fit has, as one that was stopped.
+        """
         first: dict[str, float] = {}
         for (condition, _), chi2 in zip(self.curves, self.chi2_of_means, strict=True):
             first.setdefault(condition, float(chi2))
-        r2 = np.array(list(self.left_out.values())).reshape(-1, len(self.names))
-        weights = np.array([[first[condition]] for condition in self.left_out]).reshape(-1, 1) * np.isfinite(r2)
-        with np.errstate(invalid="ignore"):
-            return (weights * np.nan_to_num(r2)).sum(axis=0) / weights.sum(axis=0)
+        counted = {name: r2 for name, r2 in self.left_out.items() if np.isfinite(r2).any()}
+        if not counted:
+            return np.full(len(self.names), np.nan)
+        return np.average(list(counted.values()), axis=0, weights=[first[name] for name in counted])
 
     def sections(self) -> list[Section]:
         """The report's sections that have a content."""

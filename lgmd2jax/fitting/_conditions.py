@@ -69,7 +69,7 @@ def _render(condition: AnyCondition, number: int) -> Rendered:
     stimulus, targets = pair_of(condition, number)
     name = stimulus.name or f"number {number}"
     for target in targets:
-        if not isinstance(target, AnyTarget):
+        if not isinstance(target, AnyTarget) or isinstance(target, type):
             kind = type(target).__name__
             raise ValueError(f"condition {name!r} has a target of type {kind}; give a Target, or what becomes one")
     if not targets:

@@ -17,7 +17,7 @@ from lgmd2jax._compute.fingerprint import fingerprint
 from lgmd2jax._compute.finished_work import Memory
 from lgmd2jax._compute.tasks import Result, Work
 from lgmd2jax._compute.traced_once import traced_once
-from lgmd2jax._network.abstract import AbstractNetwork
+from lgmd2jax._network.abstract import AbstractNetwork, check_network
 from lgmd2jax._network.noise import inhibition_in_noise
 from lgmd2jax._network.thresholds import Hard, Soft, StraightThrough
 from lgmd2jax._targets.observation import Observation, observation_symbols
@@ -25,7 +25,7 @@ from lgmd2jax._types import check_key, strong
 from lgmd2jax._words import nearest
 from lgmd2jax.fitting._conditions import AnyCondition, Rendered, render
 from lgmd2jax.fitting._curve import Curve, curve_of, rest_of
-from lgmd2jax.fitting._free import Free
+from lgmd2jax.fitting._free import Free, check_free
 from lgmd2jax.fitting._problem import Curves, Problem, chi2_residuals, problem_of
 from lgmd2jax.fitting._result import Fit
 from lgmd2jax.fitting._robust import LOSSES, Loss
@@ -108,12 +108,15 @@ def fit(
     than independent samples, for a prior beside targets without errors, for the memory of another fit, and for settings
     that make no sense.
     """
+    check_network(model)
     check_key(key)
+    check_free(free)
     pairs, observation, free = render(conditions), observation or Observation(), free.of(type(model.parameters))
     free.check_used_by(model)
     temperatures = _temperatures(model, temperatures)
     counts = {"pixel_points": pixel_points, "cell_points": cell_points, "descend": descend, "max_steps": max_steps}
     _check(pairs, free, loss, counts)
+    _check_kinds(observation, solver, choose)
     problem = problem_of(model, observation, free, pairs, loss)
     samples = problem.samples()
     if samples < len(free):
@@ -204,7 +207,10 @@ def _temperatures(model: AbstractNetwork, temperatures) -> tuple[float, ...]:
     if temperatures is None:
         own = model.thresholds
         temperatures = [own.temperature] if isinstance(own, Soft | StraightThrough) else TEMPERATURES
-    temperatures = tuple(float(temperature) for temperature in temperatures)
+    try:
+        temperatures = tuple(float(temperature) for temperature in temperatures)
+    except (TypeError, ValueError):
+        raise ValueError(f"temperatures is {temperatures!r:.60}; give a list of positive numbers") from None
     if not temperatures or not all(np.isfinite(temperature) and temperature > 0 for temperature in temperatures):
         raise ValueError(f"temperatures is {temperatures}; give one or more positive numbers")
     if any(after >= before for before, after in pairwise(temperatures)):
@@ -227,6 +233,16 @@ def _check(pairs: Sequence[Rendered], free: Free, loss: str, counts: dict[str, i
         )
 
 
+def _check_kinds(observation: object, solver: object, choose: object) -> None:
+    """Before the search, in the midst of which they are first used."""
+    if not isinstance(observation, Observation):
+        raise ValueError(f"observation is {observation!r:.60}; give an Observation")
+    if not isinstance(solver, Solver.__value__ | None):
+        raise ValueError(f"solver is {solver!r:.60}; give one of optimistix', such as optimistix.BFGS(1e-8, 1e-8)")
+    if not (choose is None or callable(choose)):
+        raise ValueError(f"choose is {choose!r:.60}; give a function of a model")
+
+
 def _apart(screened: Mapping[int, Result], count: int) -> list[int]:
     """The best points that are not near a better one."""
     chosen: list[int] = []
@@ -246,12 +262,18 @@ def _chosen(
     ends = [np.array(run.z) for run in runs]
     candidates = [start, *(start + share * (end - start) for end in ends for share in _SHARES)]
     losses = [float(_hard_loss(problem, jax.device_put(z))) for z in candidates]
-    scores = [float(choose(problem.at(z)[0])) for z in candidates]
+    scores = [_score(choose(problem.at(z)[0])) for z in candidates]
     best = max(range(len(candidates)), key=lambda i: (scores[i], -losses[i]))
     least = int(np.argmin(losses))
     choice = {"candidates": len(candidates), "score": scores[best]}
     choice |= {"least_loss": losses[least], "score_of_least_loss": scores[least]}
     return candidates[best], losses[best], {"choice": choice}
+
+
+def _score(score: Any) -> float:
+    if not (isinstance(score, (int, float, np.generic, np.ndarray, jax.Array)) and np.isfinite(score).all()):
+        raise ValueError(f"choose returned {score!r:.60}; let it return a finite number, higher for a better model")
+    return float(score)
 
 
 @traced_once

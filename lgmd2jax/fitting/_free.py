@@ -245,6 +245,12 @@ class Free:
         return jnp.stack(rows) if rows else jnp.zeros(0)
 
 
+def check_free(free: object) -> None:
+    """Raise `ValueError` for what does not say which parameters are free."""
+    if not isinstance(free, Free):
+        raise ValueError(f"free is {free!r:.60}; give which parameters may change, such as Free(k=None)")
+
+
 def _number(value):
     """A float, or what stands for one while a program is traced."""
     return float(value) if isinstance(value, np.floating) else value
@@ -298,8 +304,13 @@ def _free_parameter(name: str, choice, symbol: Symbol) -> FreeParameter:
             raise ValueError(f"{name} is free in {choice!r}; give (low, high), None, Linear, Log or Tie") from None
         choice = Linear(low, high)
     scale: Scale = "linear" if isinstance(choice, Linear) else "log" if isinstance(choice, Log) else symbol.scale
-    low = float(symbol.bounds[0] if choice.low is None else choice.low)
-    high = float(symbol.bounds[1] if choice.high is None else choice.high)
+    try:
+        low, high = (
+            float(bound if given is None else given)
+            for given, bound in zip((choice.low, choice.high), symbol.bounds, strict=True)
+        )
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} has the bounds {choice.low!r} and {choice.high!r}; give numbers") from None
     for bound in (low, high):
         if not (math.isfinite(bound) and symbol.contains(bound)):
             raise ValueError(f"{name} has the bound {bound:g}; it must lie in {symbol.domain}")

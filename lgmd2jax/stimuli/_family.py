@@ -14,6 +14,7 @@ import numpy as np
 
 from lgmd2jax._eye import Eye
 from lgmd2jax._types import Scalar, Times
+from lgmd2jax._words import nearest
 from lgmd2jax.stimuli._stimulus import Sketch, Stimulus
 from lgmd2jax.stimuli._units import units_of
 
@@ -35,6 +36,7 @@ _ALTERNATIVES = (
     ("spatial_frequency", "cycles"),
 )
 _WINDOW = {"start_ms", "end_ms"}
+_CHOICES = 5  # arguments that a message offers
 _NUMBERS = (int, float, np.number, np.ndarray, jax.Array)
 
 
@@ -44,13 +46,20 @@ def family(describe: Callable[P, Sketch]) -> Callable[P, Stimulus]:
     What does not depend on a traced value is computed at once, also inside of a jitted function: so the window can
     follow from numbers, and numbers can be checked.
 
-    **Raises:** `ValueError`, when called, for two arguments that say the same.
+    **Raises:** `ValueError`, when called, for what is no eye, for an argument that it does not take, and for two that
+    say the same.
     """
     signature = inspect.signature(describe)
 
     @functools.wraps(describe)
     def render(*args: P.args, **kwargs: P.kwargs) -> Stimulus:
+        for name in kwargs:
+            if name not in signature.parameters:
+                known = nearest(name, list(signature.parameters)[1:], _CHOICES)
+                raise ValueError(f"{describe.__name__} takes no {name!r}; choose {known}")
         arguments = _without_replaced_defaults(signature.bind(*args, **kwargs))
+        if not isinstance(arguments["eye"], Eye):
+            raise ValueError(f"eye is {arguments['eye']!r:.60}; give an Eye")
         with jax.ensure_compile_time_eval():
             time, draw = describe(*args, **kwargs)
             frames, courses = draw()

@@ -15,17 +15,19 @@ from lgmd2jax.stimuli._encounter import Encounter, chance_of
 from lgmd2jax.stimuli._film_camera import recorded
 from lgmd2jax.stimuli._film_kinds import COLLISIONS, OTHERS
 from lgmd2jax.stimuli._film_scene import draw
+from lgmd2jax.stimuli._flutter import fluttered
 from lgmd2jax.stimuli._shot import Shot
 from lgmd2jax.stimuli._stimulus import Stimulus
 from lgmd2jax.stimuli._units import Hertz, Milliseconds
 
 FILMS = (*COLLISIONS, *OTHERS)
+FILM_MS = 5600.0  # the median of real clips
 # Frames per second, and how often: those of real films once repeated frames are dropped, and of robots.
 _RATES = {8: 0.02, 10: 0.04, 12: 0.04, 15: 0.06, 20: 0.08, 24: 0.2, 25: 0.22, 30: 0.27, 50: 0.04, 60: 0.03}
 
 
 def random_film(
-    eye: Eye, key: Key, *, kind: str | None = None, fps: float | int | None = None, duration_ms: float | int = 3000.0
+    eye: Eye, key: Key, *, kind: str | None = None, fps: float | int | None = None, duration_ms: float | int = FILM_MS
 ) -> Encounter:
     """A random film: the same key gives the same one, and at another frame rate the same scene.
 
@@ -43,9 +45,10 @@ def random_film(
     - `"miss"`: a vehicle comes as fast as in a collision and passes a lane aside.
     - `"turning"`: a camera in a hand, on a robot or under a drone turns and sways.
 
-    Ground, walls, distance and objects carry pieces of scikit-image's photographs; a fifth of the films are shot at
-    night, with lamps. Contrast, noise, flicker and frame rate (8 to 60 frames a second) are random too; half of the
-    films pass through H.264, a tenth keep the repeated frames of a conversion.
+    Ground, walls, distance and objects carry pieces of scikit-image's photographs, of which each ray sees as much as it
+    resolves; in some films leaves, water or a crowd stir in a part of the field; a tenth are shot at night, with lamps.
+    Exposure, contrast, noise, flicker and frame rate (8 to 60 frames a second) are random too; half of the films pass
+    through H.264, a tenth keep the repeated frames of a conversion.
 
     **Arguments:**
 
@@ -72,13 +75,13 @@ def random_film(
         raise ValueError(f"duration_ms is {duration_ms} at {rate:g} fps; give time for 2 frames or more")
     shot = Shot(chance, lasts - np.arange(count)[::-1] / rate)
     scene, motion, left = (COLLISIONS | OTHERS)[kind](shot)
-    frames = recorded(draw(eye, scene, motion), shot)
+    frames = recorded(fluttered(draw(eye, scene, motion), shot), shot)
     time = jnp.arange(count) * 1000 / rate
     return Encounter(kind, Stimulus(jnp.asarray(frames, dtype=float), rate, time, "film"), 1000 * left)
 
 
 def films(
-    eye: Eye, key: Key, count: int, *, fps: float | int | None = None, duration_ms: float | int = 3000.0
+    eye: Eye, key: Key, count: int, *, fps: float | int | None = None, duration_ms: float | int = FILM_MS
 ) -> Iterator[Encounter]:
     """So many films, by turns a collision and something else; the kinds come equally often.
 

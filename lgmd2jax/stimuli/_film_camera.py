@@ -1,6 +1,7 @@
-"""What a camera and its file make of light: contrast, flicker, noise, H.264, 8 bits, repeated frames."""
+"""What a camera and its file make of light: exposure, contrast, flicker, noise, H.264, 8 bits, repeated frames."""
 
 import io
+import itertools
 
 import numpy as np
 from jaxtyping import Float, Int, Real, UInt8
@@ -8,10 +9,11 @@ from jaxtyping import Float, Int, Real, UInt8
 from lgmd2jax._pyav import pyav
 from lgmd2jax.stimuli._camera import FILM_BY_FILE
 from lgmd2jax.stimuli._film_scene import coarse
-from lgmd2jax.stimuli._shot import Shot
+from lgmd2jax.stimuli._shot import Course, Shot
 
 _COMPRESSED = 0.5  # of the films
 _CRF = 10, 22  # x264's measure of what it leaves out; on frames so small it leaves out more than from a whole picture
+_EXPOSED = 0.7  # of the films: by a camera that follows the light
 _CONVERTED = 0.1  # of the films: they keep frames that the conversion to a faster file repeated
 
 
@@ -23,17 +25,28 @@ def recorded(light: Float[np.ndarray, "time row col"], shot: Shot) -> UInt8[np.n
     **Raises:** `ValueError` without PyAV.
     """
     contrast, middle = shot.log(1.2, 2.2), shot.between(80, 110)
-    flicker = shot.log(3e-4, 4e-3) if shot.often(0.5) else 0.0
-    beat = np.sin(2 * np.pi * shot.between(0.5, 12) * shot.time)[:, None, None]
-    noise = shot.log(0.2, 1.5) * np.random.default_rng(shot.chance.integers(2**32)).standard_normal(
-        light.shape, np.float32
-    )
-    frames = _in_8_bits(middle + contrast * (light * (1 + flicker * beat) - middle) + noise)
+    flicker = shot.log(3e-4, 2e-3) if shot.often(0.5) else 0.0
+    beat = np.sin(2 * np.pi * shot.between(0.5, 12) * shot.time)
+    gain = _exposure(light.mean(axis=(1, 2)), shot) * (1 + flicker * beat)
+    exposed = middle + contrast * (light * gain[:, None, None] - middle)
+    noise = np.random.default_rng(shot.chance.integers(2**32)).standard_normal(light.shape, np.float32)
+    noise *= shot.log(0.3, 3) * np.sqrt(
+        np.clip(exposed, 10, 255) / 128
+    )  # photons come by chance, more where it is light
+    frames = _in_8_bits(exposed + noise)
     crf, compressed = int(shot.chance.integers(*_CRF)), shot.often(_COMPRESSED)
     repeats, ratio = shot.often(_CONVERTED), float(shot.chance.choice(FILM_BY_FILE))
     if repeats:
         frames = frames[_sources(len(frames), ratio)]
     return _in_8_bits(coarse(_as_h264(frames, crf) if compressed else frames))
+
+
+def _exposure(light: Course, shot: Shot) -> Course:
+    """The factor by which a camera evens out a change of the mean light, in part and with a lag."""
+    strength, lag = shot.between(0.3, 1.0) * shot.often(_EXPOSED), shot.log(0.2, 1.5)
+    share = 1 - np.exp(-(shot.time[1] - shot.time[0]) / lag)
+    followed = np.array(list(itertools.accumulate(light, lambda seen, now: seen + share * (now - seen))))
+    return (light[0] / followed) ** strength
 
 
 def _in_8_bits(levels: Real[np.ndarray, "time row col"]) -> UInt8[np.ndarray, "time row col"]:

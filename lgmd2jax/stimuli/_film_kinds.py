@@ -64,10 +64,10 @@ def _film(shot: Shot, camera: Camera, things: list[Thing], left: Course | None =
     } | changes
     every = (things + [Thing(0.0, 0.0, _BEHIND, 1.0, 1.0, _look(shot))] * OBJECTS)[:OBJECTS]
     scene = Scene(
-        objects=_objects(every),
-        ground=_surface(shot, (60, 140), (0.15, 0.5), (0.3, 2.0)),
-        wall=_surface(shot, (40, 150), (0.2, 0.7), (0.4, 3.0)),
-        far=_surface(shot, (40, 150), (0.2, 0.7), (0.2, 1.0)),
+        objects=_objects(every, night),
+        ground=_surface(shot, (50, 120), (0.1, 0.35), (0.3, 2.0)),
+        wall=_surface(shot, (40, 130), (0.25, 0.65), (0.4, 3.0)),
+        far=_surface(shot, (40, 150), (0.2, 0.6), (0.08, 0.3)),
         **{name: _single(value) for name, value in values.items()},
     )
     if left is not None:
@@ -85,7 +85,7 @@ def _surface(shot: Shot, level: Range, contrast: Range, grain: Range) -> Surface
     return Surface(_single(shot.between(*level)), _single(shot.between(*contrast)), _single(shot.log(*grain)), pattern)
 
 
-def _objects(things: list[Thing]) -> Objects:
+def _objects(things: list[Thing], night: bool) -> Objects:
     def looks(name: str):
         return _single([thing.look[name] for thing in things])
 
@@ -94,7 +94,7 @@ def _objects(things: list[Thing]) -> Objects:
         tall=_single([thing.tall for thing in things]),
         shape=looks("shape"),
         underside=looks("underside"),
-        lamps=looks("lamps"),
+        lamps=looks("lamps") * night,
         surface=Surface(looks("level"), looks("contrast"), looks("grain"), looks("pattern").astype(int)),
     )
 
@@ -104,12 +104,12 @@ def _single(values: Any) -> np.ndarray:
     return np.asarray(values, np.float32)
 
 
-def _look(shot: Shot, dark: float = 0.6, lamps: float = 0.25, size: float = 1.5, **changes: Any) -> dict[str, float]:
-    """How a thing looks: how often it is dark, how often its lamps are lit, and its size in m, for its pattern."""
+def _look(shot: Shot, dark: float = 0.6, lamps: float = 0.9, size: float = 1.5, **changes: Any) -> dict[str, float]:
+    """How a thing looks: how often it is dark, how often lamps are lit at night, and its size in m, for its pattern."""
     level = shot.between(8, 60) if shot.often(dark) else shot.between(60, 240)
     return {
         "level": level,
-        "contrast": shot.between(0.25, 0.8),
+        "contrast": shot.between(0.2, 0.6),
         "grain": size * shot.log(0.15, 0.6),
         "pattern": int(shot.chance.integers(len(patterns()))),
         "shape": shot.log(4, 12),
@@ -153,7 +153,7 @@ def _camera(
 def _jolted(shot: Shot, camera: Camera, left: Course) -> Camera:
     """The camera that is thrown about once contact is made."""
     since = np.maximum(-left, 0)
-    kick = np.radians(shot.log(2.0, 12.0)) * np.exp(-since / 0.12) * np.cos(2 * np.pi * shot.between(3, 8) * since)
+    kick = np.radians(shot.log(1, 5)) * np.exp(-since / 0.12) * np.cos(2 * np.pi * shot.between(3, 8) * since)
     kick = np.where(left <= 0, kick, 0)
     share = shot.between(-1, 1)
     return dataclasses.replace(camera, pitch=_single(camera.pitch + kick), yaw=_single(camera.yaw + share * kick))
@@ -191,7 +191,7 @@ def _closing(left: Course, speed: float | int, gap: float | int, brakes: float |
 def _run_into(shot: Shot) -> Film:
     """The vehicle drives at something that stands or is slower."""
     left = _until_contact(shot)
-    speed = shot.log(4, 22)
+    speed = shot.log(3, 14)
     distance = _closing(left, speed, shot.log(0.8, 3.0), shot.between(0, 4))
     own = speed + shot.between(0, 8) * shot.chance.integers(2)
     travelled = _course(shot, np.where(left > 0, own, 0.1 * own))
@@ -205,11 +205,11 @@ def _run_into(shot: Shot) -> Film:
 def _robot_into(shot: Shot) -> Film:
     """A small robot or a drone runs into a post, a wall, a person or a frame."""
     left = _until_contact(shot)
-    speed = shot.log(1, 6)
+    speed = shot.log(0.8, 4)
     distance = _closing(left, speed, shot.log(0.1, 0.4), 0.0)
     travelled = _course(shot, np.where(left > 0, speed, 0.0))
     height = shot.log(0.1, 1.8)
-    camera = _camera(shot, height, travelled, shake=shot.log(0.05, 0.8), pitch=shot.between(-5, 5))
+    camera = _camera(shot, height, travelled, shake=shot.log(0.03, 0.4), pitch=shot.between(-5, 5))
     width, tall = shot.log(0.12, 1.2), shot.log(0.15, 1.2)
     middle = max(height + shot.between(-0.5, 0.5) * tall, tall) if shot.often(0.7) else height
     thing = Thing(
@@ -226,7 +226,7 @@ def _robot_into(shot: Shot) -> Film:
 def _struck(shot: Shot) -> Film:
     """A camera that stands, in front of a car or behind one, is hit by a vehicle."""
     left = _until_contact(shot)
-    distance = _closing(left, shot.log(3, 15), shot.log(0.5, 2.5), shot.between(0, 5))
+    distance = _closing(left, shot.log(2.5, 10), shot.log(0.5, 2.5), shot.between(0, 5))
     camera = _camera(shot, shot.log(0.3, 1.6), pitch=shot.between(-5, 5), shake=shot.log(0.02, 0.3))
     things = [_car(shot, shot.between(-0.9, 0.9) + shot.between(-0.5, 0.5) * np.maximum(left, 0), distance)]
     things += _traffic(shot, 1)
@@ -236,7 +236,7 @@ def _struck(shot: Shot) -> Film:
 def _from_the_side(shot: Shot) -> Film:
     """Somebody crosses and is hit, or hits."""
     left = _until_contact(shot)
-    speed, across = shot.log(3, 14), shot.log(2, 10) * shot.side()
+    speed, across = shot.log(3, 10), shot.log(2, 8) * shot.side()
     distance = _closing(left, speed, shot.log(0.8, 3.0), 0.0)
     travelled = _course(shot, np.where(left > 0, speed, 0.2 * speed)) if shot.often(0.7) else shot.still
     camera = _in_a_vehicle(shot, travelled)
@@ -247,8 +247,8 @@ def _from_the_side(shot: Shot) -> Film:
 def _thrown(shot: Shot) -> Film:
     """A ball, a balloon, debris or an animal flies at the camera."""
     left = _until_contact(shot)
-    distance = _closing(left, shot.log(3, 18), shot.log(0.08, 0.5), 0.0)
-    own = shot.between(0, 15) if shot.often(0.4) else 0.0
+    distance = _closing(left, shot.log(2.5, 12), shot.log(0.08, 0.5), 0.0)
+    own = shot.between(0, 8) if shot.often(0.4) else 0.0
     travelled = _course(shot, own)
     height, size = shot.log(0.5, 1.8), shot.log(0.1, 0.45)
     camera = _camera(shot, height, travelled, pitch=shot.between(-4, 10), shake=shot.log(0.03, 0.6))
@@ -280,10 +280,10 @@ def _traffic(shot: Shot, most: int) -> list[Thing]:
 
 def _drive(shot: Shot) -> Film:
     """Driving behind somebody, past others, through bends and the shadows of bridges."""
-    speed = shot.log(1.5, 18)
+    speed = shot.log(1, 9)
     travelled = _course(shot, speed * (1 + 0.2 * shot.sway(1.0, 0.1, 0.5)))
-    bend = shot.between(-20, 20) if shot.often(0.4) else 0.0
-    turn = bend * np.clip((shot.time - shot.between(0, 2)) / shot.between(0.8, 2), 0, 1)
+    bend = shot.between(-15, 15) if shot.often(0.4) else 0.0
+    turn = bend * np.clip((shot.time - shot.between(0, 0.6) * shot.lasts) / shot.between(0.8, 2), 0, 1)
     camera = _in_a_vehicle(shot, travelled, turn)
     things = []
     if shot.often(0.7):
@@ -307,13 +307,13 @@ def _passing_by(shot: Shot) -> Film:
     camera = _camera(shot, height, pitch=-down, yaw=shot.between(-30, 30), shake=shot.log(0.01, 0.15))
     things = []
     for _ in range(int(shot.chance.integers(1, OBJECTS + 1))):
-        away, side = shot.log(2.0, 20), shot.side()
-        when, slant = shot.between(-0.5, 3.5), shot.between(-0.4, 0.4)
+        away, side = shot.log(3, 25), shot.side()
+        when, slant = shot.between(-0.5, shot.lasts + 0.5), shot.between(-0.4, 0.4)
         if shot.often(0.5):
             speed = side * shot.between(0.6, 2.2)
             things.append(_person(shot, speed * (shot.time - when), away + slant * speed * (shot.time - when)))
         else:
-            speed = side * shot.log(2, 15)
+            speed = side * shot.log(2, 10)
             ahead = max(away, 4.0) + slant * speed * (shot.time - when)
             things.append(_car(shot, speed * (shot.time - when), np.maximum(ahead, 3.0)))
     return _film(shot, camera, things)
@@ -322,18 +322,18 @@ def _passing_by(shot: Shot) -> Film:
 def _walk_up(shot: Shot) -> Film:
     """A person or a slow vehicle comes up and stays away by seconds, or draws away."""
     camera = _camera(shot, shot.log(0.5, 3), pitch=-shot.between(0, 12), shake=shot.log(0.01, 0.4))
-    speed = shot.between(0.5, 1.6)
+    speed = shot.between(0.5, 1.4)
     ahead = 2.2 * speed + shot.log(0.5, 6) + speed * (shot.time[-1] - shot.time)
     if shot.often(0.4):
         start, fast = shot.log(0.6, 4), shot.log(1, 10)
-        ahead = start + fast * np.maximum(shot.time - shot.between(0.3, 1.5), 0)
+        ahead = start + fast * np.maximum(shot.time - shot.between(0.1, 0.5) * shot.lasts, 0)
     thing = (_person if shot.often(0.6) else _car)(shot, shot.between(-1, 1), ahead)
     return _film(shot, camera, [thing, *_traffic(shot, 1)])
 
 
 def _miss(shot: Shot) -> Film:
     """Something comes as fast as in a collision, and passes a body's width aside."""
-    when = shot.between(1.2, 3.2)
+    when = shot.between(1.2, shot.lasts + 0.2)
     speed = shot.log(3, 15)
     own = shot.often(0.6)
     travelled = _course(shot, speed if own else 0.0)
@@ -345,8 +345,8 @@ def _miss(shot: Shot) -> Film:
 
 def _turning(shot: Shot) -> Film:
     """A camera in the hand, on a robot or under a drone turns and sways in a scene."""
-    start, lasts = shot.between(0, 2), shot.between(0.3, 2.5)
-    turn = shot.log(3, 30) * shot.side() * lasts * np.clip((shot.time - start) / lasts, 0, 1)
+    start, lasts = shot.between(0, 0.7) * shot.lasts, shot.between(0.3, 2.5)
+    turn = shot.log(2, 15) * shot.side() * lasts * np.clip((shot.time - start) / lasts, 0, 1)
     own = shot.log(0.2, 3) if shot.often(0.5) else 0.0
     camera = _camera(
         shot,
@@ -354,7 +354,7 @@ def _turning(shot: Shot) -> Film:
         height=shot.log(0.2, 3),
         yaw=turn,
         pitch=shot.between(-8, 8),
-        shake=shot.log(0.03, 0.4),
+        shake=shot.log(0.02, 0.25),
     )
     things = [_person(shot, shot.between(-4, 4), own * shot.time[-1] + shot.between(3, 10)) for _ in range(2)]
     return _film(shot, camera, things)

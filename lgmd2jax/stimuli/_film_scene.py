@@ -22,6 +22,8 @@ from lgmd2jax.stimuli._pieces import in_pieces
 OBJECTS = 4  # in every scene; what is not wanted stands behind the camera
 _FINER = 2  # rays for each pixel of the eye, in rows and in columns
 _TEXELS = 64  # of a side of a surface's pattern
+_BLURRED = 7  # times: from no texel to all of them
+_GRAINS = 8  # that make a pattern
 _PER_PHOTOGRAPH = 4  # patterns
 _FAR = 1e4  # m
 _BONNET = 12.0  # grey level
@@ -40,7 +42,10 @@ class Camera(eqx.Module):
 
 
 class Surface(eqx.Module):
-    """A pattern on something: its mean grey level, the deviations' standard deviation by mean, and its grain in m."""
+    """A pattern on something: its mean grey level, the deviations' standard deviation by mean, and its grain in m.
+
+    Of the picture far away the grain is in radians.
+    """
 
     level: Float[Array | np.ndarray, "*surface"]
     contrast: Float[Array | np.ndarray, "*surface"]
@@ -135,13 +140,24 @@ def patterns() -> Float[np.ndarray, "pattern texel texel"]:
     return np.array(pieces, np.float32)
 
 
+@functools.cache
+def _atlas() -> Float[np.ndarray, "blur pattern texel texel"]:
+    """The patterns as rays see them that each take in the mean of 1, 2, 4... texels."""
+    cycles = np.hypot(np.fft.fftfreq(_TEXELS)[:, None], np.fft.fftfreq(_TEXELS))
+    spectra = np.fft.fft2(patterns())
+    widths = 2.0 ** np.arange(_BLURRED) / np.sqrt(12)
+    return np.array(
+        [np.fft.ifft2(spectra * np.exp(-2 * (np.pi * cycles * width) ** 2)).real for width in widths], np.float32
+    )
+
+
 @traced_once
 def _draw(eye: Eye, motion: Motion, scene: Scene) -> Float[Array, "time row col"]:
     azimuth, elevation = (jnp.radians(grid).astype(jnp.float32) for grid in eye.angles())
     rays = jnp.stack([jnp.sin(azimuth) * jnp.cos(elevation), jnp.sin(elevation), jnp.cos(azimuth) * jnp.cos(elevation)])
     from_below = jnp.linspace(1, 0, eye.rows, dtype=jnp.float32)[:, None]
     pixel = jnp.float32(np.radians(1 / eye.pixels_per_degree))
-    atlas = jnp.asarray(patterns())
+    atlas = jnp.asarray(_atlas())
 
     def frame(now: Motion):
         level = _frame(scene, now, _turned(rays, now.camera), pixel, atlas)
@@ -162,7 +178,7 @@ def _turned(rays: Float[Array, "axis row col"], camera: Camera) -> Float[Array, 
 
 def _frame(scene: Scene, now: Motion, rays, pixel, atlas) -> Map:
     camera, (dx, dy, dz) = now.camera, rays
-    level = _backdrop(scene, rays, atlas)
+    level = _backdrop(scene, rays, pixel, atlas)
 
     def lit(level, reach, shade: Map | float = 1.0):
         """A surface at a distance, by the light and in the haze."""
@@ -172,7 +188,7 @@ def _frame(scene: Scene, now: Motion, rays, pixel, atlas) -> Map:
 
     down = jnp.where(dy < -1e-3, -camera.height / jnp.minimum(dy, -1e-3), _FAR)
     x, z = camera.right + down * dx, camera.ahead + down * dz
-    ground = _surface(scene.ground, x, z, pixel * down / jnp.maximum(-dy, 0.05), atlas)
+    ground = _pattern(scene.ground, x, z, pixel * down / jnp.maximum(-dy, 0.05), atlas)
     ground = jnp.maximum(ground, scene.lines * _markings(x, z, pixel * down))
     in_shade = (z > scene.shade_from) & (z < scene.shade_to)
     level = jnp.where(dy < -1e-3, lit(ground, down, jnp.where(in_shade, scene.shade, 1.0)), level)
@@ -181,7 +197,7 @@ def _frame(scene: Scene, now: Motion, rays, pixel, atlas) -> Map:
     for side in (0, 1):
         reach = (scene.wall_at[side] - camera.right) / jnp.where(jnp.abs(dx) < 1e-3, 1e-3, dx)
         height, along = camera.height + reach * dy, camera.ahead + reach * dz
-        wall = _surface(scene.wall, along, height, pixel * reach / jnp.maximum(jnp.abs(dx), 0.05), atlas)
+        wall = _pattern(scene.wall, along, height, pixel * reach / jnp.maximum(jnp.abs(dx), 0.05), atlas)
         glow = scene.lamps * _street_lamps(along, height, pixel * reach)
         seen = (reach > 0.1) & (reach < reach_before)
         level = jnp.where(seen & (height < scene.wall_tall), lit(wall, reach), level)
@@ -193,11 +209,11 @@ def _frame(scene: Scene, now: Motion, rays, pixel, atlas) -> Map:
     return level
 
 
-def _backdrop(scene: Scene, rays, atlas) -> Map:
+def _backdrop(scene: Scene, rays, pixel, atlas) -> Map:
     """The picture far away, up to the skyline, and the sky, a little brighter at the horizon."""
     dx, dy, dz = rays
     azimuth, elevation = jnp.arctan2(dx, dz), jnp.arcsin(jnp.clip(dy, -1, 1))
-    picture = scene.light * _pattern(scene.far, azimuth / 0.6, elevation / 0.6, 1.0, atlas)
+    picture = scene.light * _pattern(scene.far, azimuth, elevation, pixel, atlas)
     sky = scene.sky * (1 - 0.2 * jnp.clip(elevation, 0, 1))
     return jnp.where(elevation < scene.skyline, picture, sky)
 
@@ -213,9 +229,7 @@ def _with_object(objects: Objects, now: Motion, i, rays, pixel, atlas, behind, l
     sharp = jnp.minimum(width, tall) / jnp.maximum(pixel * reach, 1e-6)
     cover = jnp.where(reach > 0.02, jnp.clip((1 - outline) * sharp + 0.5, 0, 1), 0)
     own = jax.tree.map(lambda leaf: leaf[i], objects.surface)
-    level = _pattern(
-        own, u * width / own.grain, v * tall / own.grain, 1 / (1 + (3 * pixel * reach / own.grain) ** 2), atlas
-    )
+    level = _pattern(own, u * width, v * tall, pixel * reach, atlas)
     level = lit(level * jnp.where(v < _UNDERSIDE, objects.underside[i], 1.0), reach)
     radius = jnp.maximum(0.12, pixel * reach)
     apart = jnp.hypot(jnp.abs(u) * width - 0.75 * width, v * tall + 0.3 * tall)
@@ -223,24 +237,20 @@ def _with_object(objects: Objects, now: Motion, i, rays, pixel, atlas, behind, l
     return behind + cover * (level - behind)
 
 
-def _surface(surface: Surface, across, along, footprint, atlas) -> Map:
-    """The grey level of a surface: its pattern fades where a ray sees more than its grain."""
-    seen = 1 / (1 + (3 * footprint / surface.grain) ** 2)
-    return _pattern(surface, across / surface.grain, along / surface.grain, seen, atlas)
-
-
-def _pattern(surface: Surface, across, along, seen, atlas) -> Map:
-    """**Arguments:** `across`, `along`: in lengths of the grain; eight grains make the pattern."""
-    i, j = across * (_TEXELS / 8), along * (_TEXELS / 8)
+def _pattern(surface: Surface, across, along, footprint, atlas) -> Map:
+    """The grey level of a surface at a place, where a ray takes in the mean of a footprint; all in the grain's unit."""
+    texel = surface.grain * (_GRAINS / _TEXELS)
+    i, j = across / texel, along / texel
     left, below = jnp.floor(i), jnp.floor(j)
     a, b = i - left, j - below
     i, j = left.astype(int) % _TEXELS, below.astype(int) % _TEXELS
-    tile = atlas[surface.pattern]
+    blur = jnp.clip(jnp.round(jnp.log2(jnp.maximum(footprint / texel, 1))), 0, _BLURRED - 1).astype(int)
+    tile = atlas[:, surface.pattern]
     i_next, j_next = (i + 1) % _TEXELS, (j + 1) % _TEXELS
-    value = (1 - b) * ((1 - a) * tile[j, i] + a * tile[j, i_next]) + b * (
-        (1 - a) * tile[j_next, i] + a * tile[j_next, i_next]
+    value = (1 - b) * ((1 - a) * tile[blur, j, i] + a * tile[blur, j, i_next]) + b * (
+        (1 - a) * tile[blur, j_next, i] + a * tile[blur, j_next, i_next]
     )
-    return jnp.maximum(surface.level * (1 + surface.contrast * seen * value), 2.0)
+    return jnp.maximum(surface.level * (1 + surface.contrast * value), 2.0)
 
 
 def _markings(x, z, footprint) -> Map:

@@ -33,6 +33,11 @@ class Shot:
         return int(self.chance.choice([-1, 1]))
 
     @property
+    def lasts(self) -> float:
+        """Until when, in s."""
+        return float(self.time[-1])
+
+    @property
     def still(self) -> Course:
         """Zero in each frame."""
         return np.zeros_like(self.time)

@@ -13,6 +13,7 @@ from lgmd2jax._eye import Eye
 from lgmd2jax._types import Times, is_concrete
 
 MOST = 1000 * 2**29  # pixels of a clip, times ms in a second: 4 GiB in double precision
+_SECONDS = 0.01  # relative: times so near to 1/fps apart are in s
 LEAD_MS = 500.0  # of rest before the first motion, and after the last
 
 Frames = Float[Array, "time row col"]
@@ -37,6 +38,17 @@ class Stimulus(eqx.Module):
     name: str = eqx.field(static=True, default="")
     parameters: dict[str, Float[Array, ""]] = eqx.field(default_factory=dict)
     courses: dict[str, Float[Array, " time"]] = eqx.field(default_factory=dict)
+
+    def __check_init__(self):
+        if not (isinstance(self.fps, (int, float, np.number)) and math.isfinite(self.fps) and self.fps > 0):
+            raise ValueError(f"fps is {self.fps!r}; give a positive number of frames per second")
+        shape, times = np.shape(self.frames), np.shape(self.time)
+        if len(shape) != 3 or times != shape[:1]:
+            raise ValueError(f"frames has shape {shape} and time {times}; give (time, row, col), and a time a frame")
+        if is_concrete(self.time) and times[0] > 1:
+            usual = float(np.median(np.diff(self.time)))
+            if math.isclose(usual, 1 / self.fps, rel_tol=_SECONDS):
+                raise ValueError(f"time rises by {usual:.4g} a frame at {self.fps:g} fps, as in s; give it in ms")
 
 
 class Sketch(NamedTuple):

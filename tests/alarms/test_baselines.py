@@ -1,12 +1,13 @@
 """Plain detectors: what they measure on clips whose change and expansion are known."""
 
-import builtins
+import importlib.util
 
 import numpy as np
 import pytest
 
-from lgmd2jax.alarms import LabelledClip
+from lgmd2jax.alarms import LabelFile, LabelledClip
 from lgmd2jax.alarms._baselines import baseline, difference, divergence
+from lgmd2jax.cli import main
 
 
 def test_difference_is_the_mean_absolute_change():
@@ -42,14 +43,11 @@ def test_divergence_is_that_of_a_texture_that_grows():
     assert abs(np.median(divergence(zoom(0.0))[1:])) < 0.05
 
 
-def test_without_opencv_the_error_names_the_extra(monkeypatch):
-    wanted = builtins.__import__
-
-    def absent(name, *given, **settings):
-        if name == "cv2":
-            raise ImportError(name)
-        return wanted(name, *given, **settings)
-
-    monkeypatch.setattr(builtins, "__import__", absent)
+def test_without_opencv_the_error_names_the_extra_before_anything_is_decoded(monkeypatch, capsys):
+    find = importlib.util.find_spec
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == "cv2" else find(name))
+    monkeypatch.setattr(LabelFile, "load", None)
     with pytest.raises(ValueError, match=r"pip install 'lgmd2jax\[baselines\]'"):
         divergence(zoom(0.5))
+    assert main(["watch", "video", "--baselines"]) == 1
+    assert capsys.readouterr().err == "lgmd2jax: this needs cv2: pip install 'lgmd2jax[baselines]'\n"

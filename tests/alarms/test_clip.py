@@ -38,6 +38,7 @@ def test_contact_may_come_after_the_end(contact, ms):
         ({"silent": [(5, 20)]}, r"c: silent 5 to 20 lies outside of the clip, whose frames are 0 to 19"),
         ({"windows": [(5, 9)], "silent": [(9, 12)]}, r"c: alarm up to 9 and silent from 9 overlap"),
         ({"windows": [(5, 9), (7, 12)]}, r"alarm up to 9 and alarm from 7 overlap"),
+        ({"windows": [(12, 15), (5, 9)], "contact": 4}, r"c: contact is frame 4, before an alarm is wanted, from 5 on"),
         ({"windows": [(5,)]}, r"c: alarm holds \(5,\); write pairs of frames"),
         ({"windows": [(2, 2)], "index": np.arange(0, 40, 2) + (np.arange(20) > 0)}, r"holds only repeated frames"),
     ],

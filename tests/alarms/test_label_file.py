@@ -185,6 +185,7 @@ def test_the_shipped_file_and_rendered_clips():
             '[[clip]]\nfile = "crash.mkv"\nalarm = [[20, 30]]\nsilent = [[25, 40]]\n',
             "alarm up to 30 and silent from 25",
         ),
+        ('[[clip]]\nfile = "crash.mkv"\nalarm = [[30, 40]]\ncontact = 4\n', "contact is frame 4, before an alarm"),
         ('[[clip]]\nfile = "crash.mkv"\nbefore_ms = [500, 0]\n', "before_ms counts back from contact, which is"),
         ('[[clip]]\nfile = "crash.mkv"\ncontact = 40\nbefore_ms = [0, 500]\n', "give two times before contact"),
         (

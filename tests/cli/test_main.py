@@ -1,6 +1,7 @@
 """The command line as a whole: light help, exit statuses, mistakes told from faults, Ctrl-C."""
 
 import importlib
+import os
 import re
 import signal
 import subprocess
@@ -166,6 +167,38 @@ def test_what_the_system_refuses_is_told_by_path_and_in_words(monkeypatch, capsy
     runs(monkeypatch, "open('/proc/none/of/that')")
     assert main(EXPORT) == 1
     assert capsys.readouterr().err == "lgmd2jax: /proc/none/of/that: No such file or directory\n"
+
+
+def exported(name):
+    """A program that exports to a folder of this name."""
+    arguments = ["export", "preset:lgmd2", "--python", name]
+    return f"import sys; from lgmd2jax.cli import main; sys.argv[1:] = {arguments!a}; sys.exit(main())"
+
+
+def test_a_reader_that_has_gone_is_no_error(tmp_path):
+    """As behind `| head`: what was written for it is dropped, without a word."""
+    read, write = os.pipe()
+    os.close(read)
+    command = [sys.executable, "-c", exported("robot")]
+    with os.fdopen(write, "wb") as pipe:
+        process = subprocess.run(command, cwd=tmp_path, stdout=pipe, stderr=subprocess.PIPE, text=True)
+    assert (process.returncode, process.stderr) == (141, "")
+    assert (tmp_path / "robot/model.json").is_file()
+
+
+def test_a_name_that_the_terminal_cannot_show_is_no_error(tmp_path):
+    environment, command = os.environ | {"PYTHONIOENCODING": "ascii"}, [sys.executable, "-c", exported("rob\xf3t")]
+    process = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
+    assert (process.returncode, process.stderr) == (0, "")
+    assert r"wrote rob\xf3t/model.json" in process.stdout
+    assert (tmp_path / "rob\xf3t/model.json").is_file()
+
+
+def test_a_name_that_is_not_in_utf_8_is_refused(tmp_path, capsys):
+    """As from an old disk: neither a report nor a figure can hold it."""
+    assert main(["export", "preset:lgmd2", "--python", str(tmp_path / "rob\udcf3t")]) == 1
+    assert "rob\\udcf3t' is no name in UTF-8, in which results are written; rename it" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
 
 
 def test_the_library_itself_is_told_from_what_it_calls(tmp_path, capsys):

@@ -4,6 +4,7 @@ import os
 import shutil
 import subprocess
 import sys
+from importlib.metadata import version
 from pathlib import Path
 
 import pytest
@@ -19,6 +20,11 @@ def client():
     settings = {"n_workers": 0, "processes": False, "protocol": "tcp", "host": "127.0.0.1", "dashboard_address": ":0"}
     with LocalCluster(**settings) as cluster, Client(cluster) as client:
         yield client
+
+
+@pytest.mark.parametrize("package", ["jax", "jaxlib", "equinox", "optimistix", "lineax", "numpy"])
+def test_a_worker_tells_what_decides_its_numbers(package):
+    assert f"{package} {version(package)}" in running_versions()
 
 
 def test_a_worker_with_another_source_is_refused_by_both_names(client, tmp_path):

@@ -2,10 +2,11 @@
 
 import os
 import stat
+from pathlib import Path
 
 import pytest
 
-from lgmd2jax._files.atomic import replaced
+from lgmd2jax._files.atomic import all_replaced, replaced
 
 
 def test_the_file_appears_when_the_block_ends(tmp_path):
@@ -58,3 +59,15 @@ def test_a_place_that_cannot_hold_a_file_is_refused_before_the_work(tmp_path):
         pytest.fail("the block ran")
     with pytest.raises(ValueError, match=r"cannot write .*: File name too long"), replaced(tmp_path / ("a" * 255)):
         pytest.fail("the block ran")
+
+
+@pytest.mark.parametrize(("paths", "kept"), [(["a.csv", "b.png", "./a.csv"], []), (["b.png", "a.csv"], ["x/../a.csv"])])
+def test_no_file_is_written_twice_or_over_what_is_read(tmp_path, monkeypatch, paths, kept):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "x").mkdir()
+    (tmp_path / "a.csv").write_text("recorded")
+    refused = pytest.raises(ValueError, match=r"a\.csv is named twice; what is read and what is written need names")
+    with refused, all_replaced([*map(Path, paths), None], [*kept, None]):
+        pytest.fail("not refused")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.csv", "x"]
+    assert (tmp_path / "a.csv").read_text() == "recorded"

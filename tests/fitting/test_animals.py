@@ -63,6 +63,20 @@ def test_each_animal_has_a_fit_of_its_own(monkeypatch, untyped):
         lgmd.fit_each(lgmd.LGMD2(), [(LOOM, trains("a"))], FREE, key=KEY, by="cell")  # pyright: ignore[reportArgumentType]
 
 
+def test_a_fit_that_was_stopped_counts_for_no_animal(monkeypatch, untyped):
+    """In place of the fit: the best so far of the second animal, during which Ctrl-C was pressed."""
+
+    def fit(model, conditions, free, **settings):
+        (_, (target,)) = conditions[0]
+        return fit_with(FREE, [curve()], result="converged" if target.animals == ("a",) else "stopped by hand")
+
+    monkeypatch.setattr(_animals, "fit", fit)
+    found = lgmd.fit_each(lgmd.LGMD2(), [(LOOM, trains("a", "b", "c"))], FREE, key=KEY)
+    assert (list(found), found.unfinished) == (["a"], ("b", "c"))
+    with pytest.raises(KeyboardInterrupt):
+        lgmd.fit_each(lgmd.LGMD2(), [(LOOM, trains("b", "c"))], FREE, key=KEY)
+
+
 def test_a_memory_holds_the_work_of_all_animals(monkeypatch, untyped):
     """In place of the fit: what it keeps."""
 

@@ -28,6 +28,12 @@ def test_without_a_score_the_least_loss_decides():
     assert fit().values["theta2"] == pytest.approx(TRUTH, rel=0.05)
 
 
+@pytest.mark.parametrize("score", [float("nan"), None, "high"])
+def test_a_score_that_is_none_is_refused(score):
+    with pytest.raises(ValueError, match=r"choose returned .*; let it return a finite number"):
+        fit(choose=lambda candidate: score)
+
+
 def test_the_highest_score_decides_and_of_equals_the_least_loss():
     """The start is the candidate with the smallest theta2; a score that is the same for all leaves the least loss."""
     by_score = fit(choose=lambda candidate: -float(candidate.parameters.theta2))

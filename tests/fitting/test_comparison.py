@@ -124,6 +124,14 @@ def test_what_was_left_out_counts_by_what_there_is_to_explain():
     np.testing.assert_allclose(found.left_out_in_mean, np.array([expected, np.nan]))
 
 
+def test_a_mean_over_some_of_what_was_left_out_is_none():
+    """Of a fit that was stopped on the way."""
+    names = "one", "other", "flat"
+    fits = {name: fit_of(*map(curve, names)) for name, fit_of in (("whole", small), ("stopped", large))}
+    left_out = {"whole": {"one": 0.5, "other": 0.3, "flat": np.nan}, "stopped": {"one": 0.9, "flat": np.nan}}
+    np.testing.assert_allclose(compared(fits, left_out).left_out_in_mean, [0.4, np.nan])
+
+
 def test_what_was_not_asked_for_is_not_told():
     text = side_by_side(a=small(), b=large()).summary()
     assert "left out" not in text

@@ -292,15 +292,22 @@ def test_the_next_stimulus_is_the_one_that_shows_the_parameter(looms):
         ({"temperatures": []}, "temperatures is"),
         ({"temperatures": [0.1, 0.5]}, "give falling numbers"),
         ({"temperatures": [-1.0]}, "positive numbers"),
+        ({"temperatures": 0.5}, "temperatures is 0.5; give a list of positive numbers"),
+        ({"solver": optx.BFGS}, "solver is <class .*; give one of optimistix'"),
+        ({"choose": 3}, "choose is 3; give a function of a model"),
+        ({"memory": []}, r"memory is \[\]; give a mapping that keeps what is set"),
+        ({"observation": "rate"}, "observation is 'rate'; give an Observation"),
+        ({"free": {"k": (0.1, 2)}}, r"free is \{'k': \(0.1, 2\)\}; give which parameters may change"),
+        ({"model": lgmd.LGMD2}, "model is <class .*; give a model, such as lgmd2jax.LGMD2"),
         ({"loss": "absolute"}, "loss is 'absolute'; choose"),
         ({"pixel_points": 0}, "pixel_points is 0; give a whole number"),
         ({"descend": 1.5}, "descend is 1.5"),
     ],
 )
 def test_misuse_is_refused(looms, untyped, changes, message):
-    arguments = {"conditions": conditions(looms, model_of(lgmd.Hard(), **TRUTH)), "free": FREE} | changes
+    model, truth = (model_of(lgmd.Hard(), **parameters) for parameters in ({}, TRUTH))
     with pytest.raises(ValueError, match=message):
-        lgmd.fit(model_of(lgmd.Hard()), key=KEY, **arguments)
+        lgmd.fit(**{"model": model, "conditions": conditions(looms, truth), "free": FREE, "key": KEY} | changes)
 
 
 def test_targets_that_do_not_fit_are_refused_by_name(looms):

@@ -42,6 +42,29 @@ def test_integers_are_cast_before_they_are_subtracted():
         assert response.smp == smp
 
 
+@pytest.mark.parametrize("dtype", [">u2", ">i4", ">f4", ">f8"])
+def test_the_order_of_bytes_does_not_matter(dtype):
+    """Fiji, and some instruments, write the large end first."""
+    model, frames = lgmd.LGMD2(), np.round(FRAMES).astype(dtype)
+    native = frames.astype(frames.dtype.newbyteorder("="))
+    np.testing.assert_array_equal(model(frames, 30.0).smp, model(native, 30.0).smp)
+    state, expected = model.init(frames[0]), model(native, 30.0)
+    for i, frame in enumerate(frames):
+        state, now = model.step(state, frame, 30.0)
+        assert now.smp == expected.smp[i]
+
+
+@pytest.mark.parametrize("other", [{"N_ts": 7}, {"n_p": 1}, {"mechanisms": ("size",)}, {"mechanisms": ("lag",)}])
+def test_a_state_of_another_structure_is_refused(other):
+    """As one from before `at_frame_rate`, which changes how many frames are remembered."""
+    model = lgmd.LGMD2(**other)
+    state, _ = lgmd.LGMD2().step(lgmd.LGMD2().init(FRAMES[0]), FRAMES[0], 30.0)
+    with pytest.raises(ValueError, match=r"state belongs to a model of another structure; start anew with init\(frame"):
+        model.step(state, FRAMES[1], 30.0)
+    own, _ = model.step(model.init(FRAMES[0]), FRAMES[0], 30.0)
+    model.step(own, FRAMES[1], 30.0)
+
+
 def test_the_model_itself_may_be_jitted():
     """A model hashes by value, as it is equal by value: to jit an equal one compiles nothing."""
     model = lgmd.LGMD2()
@@ -159,6 +182,10 @@ def test_repr_says_how_thresholds_act_and_what_the_parameters_are():
         (lambda model: model(FRAMES[:, :2], 30.0), "at least 3 rows and 3 columns"),
         (lambda model: model(FRAMES[:, :, :2], 30.0), "at least 3 rows and 3 columns"),
         (lambda model: model("clip.mp4", 30.0), "frames is 'clip.mp4'"),
+        (lambda model: model(None, 30.0), "frames is None; give an array of grey levels"),
+        (lambda model: model([FRAMES[0], FRAMES[1, :5]], 30.0), "give an array of grey levels"),
+        (lambda model: model(FRAMES.astype(np.longdouble), 30.0), "frames has dtype float128; give an array"),
+        (lambda model: model(np.ma.masked_greater(FRAMES, 200), 30.0), "frames is masked; fill what is masked with"),
         (lambda model: model(FRAMES.astype(complex), 30.0), "dtype complex128"),
         (lambda model: model(FRAMES.astype(np.float16), 30.0), "dtype float16"),
         (lambda model: model(np.where(FRAMES > 200, np.nan, FRAMES), 30.0), "not finite, first in frame 0"),
@@ -171,6 +198,7 @@ def test_repr_says_how_thresholds_act_and_what_the_parameters_are():
         (lambda model: model(FRAMES), "fps is missing"),
         (lambda model: model.step(model.init(FRAMES[0]), FRAMES[0, :5], 30.0), r"frame has shape \(5, 9\), the state"),
         (lambda model: model.step(model.init(FRAMES[0]), FRAMES[0] * np.nan, 30.0), "not finite"),
+        (lambda model: model.step(FRAMES[0], FRAMES[1], 30.0), "state is array.*; give the one that init or the last"),
         (lambda model: model.step(model.init(FRAMES[0]), FRAMES[0], 30.0, interval=20.0), "both given"),
         (lambda model: model.step(model.init(FRAMES[0]), FRAMES[0], interval=0.0), "interval is 0.0"),
         (lambda model: model.init(FRAMES), r"frame has shape \(8, 7, 9\)"),
@@ -196,6 +224,7 @@ def test_misuse_is_refused(call, message):
     ("frames", "rate", "words"),
     [
         (FRAMES / 255, {"fps": 30.0}, "in 0..1; were grey levels in 0..255 meant"),
+        (FRAMES / 127.5 - 1, {"fps": 30.0}, "in -1..1; were grey levels in 0..255 meant"),
         (FRAMES.astype(np.uint16) * 257, {"fps": 30.0}, r"reach(es)? \d+; grey levels lie in 0..255"),
         (FRAMES, {"fps": 1 / 60}, "fps is 0.01667; were 60 meant, given as an interval in s"),
         (FRAMES, {"interval": np.full(len(FRAMES), 0.0333)}, "interval is 0.0333 ms; was 33.3 ms meant, given in s"),

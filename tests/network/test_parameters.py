@@ -94,6 +94,8 @@ def test_presets(name, thetas):
         (lambda: lgmd.Parameters(tau1=0.03), "tau1 is 0.03 ms; was 30 ms meant, given in seconds?"),
         (lambda: lgmd.Eye(5, 6, 2.0, 1 / 60), "fps is 0.01667; were 60 frames per second meant"),
         (lambda: lgmd.LGMD2()(clips.loom(0, (6, 5, 7)) / 255, 30.0), "frames lie in 0..1; were grey levels"),
+        (lambda: lgmd.LGMD2()(clips.loom(0, (6, 5, 7)) / 127 - 1, 30.0), "frames lie in -1..1; were grey levels"),
+        (lambda: lgmd.LGMD2().init(clips.loom(0, (6, 5, 7))[0] / 255), "frames lie in 0..1; were grey levels"),
     ],
 )
 def test_what_is_hardly_meant_in_this_unit_gets_a_warning(give, message):

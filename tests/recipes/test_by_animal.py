@@ -6,6 +6,7 @@ import json
 import pytest
 
 import lgmd2jax as lgmd
+from lgmd2jax._files.lock import locked
 from lgmd2jax._recipes.fit import Recipe
 from lgmd2jax.cli import main
 from lgmd2jax.cli.fit import folder_names
@@ -73,6 +74,13 @@ def test_each_animal_has_its_own_trials_and_conditions(recipe):
             assert target.exposure is not None
             assert target.exposure[0] == pytest.approx(2 / 60), animal
     assert own["A"].digest() != own["C"].digest()
+
+
+def test_two_fits_do_not_mix_their_animals_in_one_folder(recipe, capsys):
+    with locked(recipe.parent / "results"):
+        assert main(["fit", str(recipe), "-o", str(recipe.parent / "results")]) == 1
+    assert "results is in use by process" in capsys.readouterr().err
+    assert not (recipe.parent / "results").exists()
 
 
 @pytest.mark.slow

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 import lgmd2jax as lgmd
+from lgmd2jax._handover.named import model_named
+from lgmd2jax._words import UnfinishedWarning
 from tests.fitting.fits import curve, fit_with
 
 FREE = lgmd.Free(theta2=None, tau1=None, gain=None, theta1=lgmd.Tie("theta2", 0.5))
@@ -54,6 +56,15 @@ def test_what_was_written_comes_back(fit, folder):
     np.testing.assert_array_equal(again.predict(stimulus), fit.predict(stimulus))
     with pytest.raises(ValueError, match="neither holds nor names its stimuli and targets; give them to load_fit"):
         again.profile("tau1")
+
+
+def test_a_fit_that_was_stopped_is_marked_as_unfinished(tmp_path):
+    lgmd.save_fit(fit_with(FREE, [curve()], result="stopped by hand"), tmp_path / "fit")
+    assert "UNFINISHED" in (tmp_path / "fit/report.txt").read_text(encoding="utf-8")
+    with pytest.warns(UnfinishedWarning, match="fit is unfinished: the search; lgmd2jax fit"):
+        assert lgmd.load_fit(tmp_path / "fit").result == "stopped by hand"
+    with pytest.warns(UnfinishedWarning, match="is of an unfinished fit: the search was stopped"):
+        model_named(str(tmp_path / "fit"))
 
 
 def test_grade_and_silence_of_every_target_and_the_status_are_data(fit, folder):

@@ -27,6 +27,7 @@ BAD = {
     "infinite speed": ("looming", {"l_over_v": np.inf}, "l_over_v is inf"),
     "a batch": ("looming", {"l_over_v": np.array([10.0, 20.0])}, "l_over_v is .*jax.vmap"),
     "text": ("looming", {"l_over_v": "fast"}, "l_over_v is 'fast'"),
+    "a typo": ("looming", {"l_v": 20}, "looming takes no 'l_v'; choose 'l_over_v'"),
     "nothing to stop": ("looming", {"stop_angle": 2}, "make stop_angle the larger"),
     "no start": ("looming", {"start_angle": 0}, "start_angle is 0 degrees"),
     "a start beyond the field": ("looming", {"start_angle": 70, "stop_angle": 75}, "start_angle makes .* field"),
@@ -75,6 +76,33 @@ def test_misuse_is_refused_in_one_line(family, arguments, message):
         stimuli.FAMILIES[family](EYE, **arguments)
     assert "\n" not in str(error.value)
     assert re.match(r"[a-z_]+ |contrast", str(error.value))
+
+
+@pytest.mark.usefixtures("untyped")
+@pytest.mark.parametrize("eye", ["dark", None, Eye])
+def test_what_is_no_eye_is_refused(eye):
+    with pytest.raises(ValueError, match=r"eye is .*; give an Eye"):
+        stimuli.looming(eye, l_over_v=20.0)
+
+
+@pytest.mark.usefixtures("untyped")
+@pytest.mark.parametrize(
+    ("frames", "fps", "time", "message"),
+    [
+        (np.zeros((3, 4, 4)), "30", np.arange(3.0), "fps is '30'; give a positive number"),
+        (np.zeros((3, 4, 4)), 30.0, np.arange(2.0), r"frames has shape \(3, 4, 4\) and time \(2,\); give"),
+        (np.zeros((4, 4)), 30.0, np.arange(4.0), r"frames has shape \(4, 4\) and time \(4,\); give \(time, row, col\)"),
+        (
+            np.zeros((3, 4, 4)),
+            30.0,
+            np.arange(3) / 30,
+            "time rises by 0.03333 a frame at 30 fps, as in s; give",
+        ),
+    ],
+)
+def test_a_stimulus_of_your_own_has_a_time_in_ms_for_each_frame(frames, fps, time, message):
+    with pytest.raises(ValueError, match=message):
+        stimuli.Stimulus(frames, fps, time)
 
 
 @pytest.mark.usefixtures("untyped")

@@ -9,9 +9,10 @@ import pytest
 from benchmarks.film_statistics import Measured
 from lgmd2jax import Eye, stimuli
 from lgmd2jax.alarms import LabelledClip, Rendering
-from lgmd2jax.stimuli._film_camera import _as_h264
+from lgmd2jax.stimuli._film_camera import _as_h264, _exposure
 from lgmd2jax.stimuli._film_kinds import COLLISIONS, OTHERS, Thing, _camera, _film, _look
 from lgmd2jax.stimuli._film_scene import coarse, draw
+from lgmd2jax.stimuli._flutter import fluttered
 from lgmd2jax.stimuli._shot import Shot
 
 EYE = Eye(rows=10, cols=18, degrees_per_pixel=4.0, fps=30.0, projection="pinhole")
@@ -59,6 +60,45 @@ def test_an_object_is_as_large_as_it_is_far():
     rows, cols = np.nonzero(covered > 0.5)
     assert (rows.mean(), cols.mean()) == pytest.approx((9.5, 17.5), abs=0.1)
     assert coarse(light[None]).shape == (1, EYE.rows, EYE.cols)
+
+
+def test_a_ray_sees_the_mean_of_its_footprint():
+    """A picture so far away that each ray takes in eight texels and more: the mean of rays that take in one each."""
+    plain = Shot(np.random.default_rng(0), np.zeros(1))
+    film = _film(plain, _camera(plain, 1.0), [], sky=200.0, skyline=2.0, wall_tall=0.01, light=1.0)
+    far = dataclasses.replace(film.scene.far, contrast=np.asarray(0.1, np.float32), grain=np.asarray(0.3, np.float32))
+    nothing = dataclasses.replace(film.scene.ground, contrast=np.asarray(0, np.float32))
+    scene = dataclasses.replace(film.scene, far=far, ground=nothing)
+    fine_eye = dataclasses.replace(EYE, rows=80, cols=144, degrees_per_pixel=0.5)
+    above, fine = (draw(eye, scene, film.motion)[0][: eye.rows // 2] for eye in (EYE, fine_eye))
+    mean = fine.reshape(len(above), 8, above.shape[1], 8).mean(axis=(1, 3))
+    assert np.corrcoef(above.ravel(), mean.ravel())[0, 1] > 0.9
+    assert above.std() == pytest.approx(mean.std(), rel=0.25)
+
+
+def test_leaves_stir_alike_at_any_frame_rate_and_in_a_part_of_the_field():
+    restless = 0
+    for seed in range(20):
+        slow, fast = (fluttered(np.full((round(LASTS * fps), 20, 36), 100.0), shot(seed, fps)) for fps in (15.0, 30.0))
+        np.testing.assert_allclose(slow, fast[1::2])
+        stirs = fast.std(axis=0) > 0.1
+        restless += stirs.any()
+        assert stirs.mean() < 0.9
+    assert 4 <= restless <= 12  # of 20, 40 % wanted
+
+
+def test_exposure_evens_out_a_change_of_light_and_keeps_its_pace_at_any_frame_rate():
+    for seed in range(10):
+        gains = {}
+        for fps in (30.0, 60.0):
+            film = shot(seed, fps)
+            gains[fps] = _exposure(np.where(film.time < 0.3, 50.0, 100.0), film)
+        assert gains[30.0][0] == 1
+        assert np.all(np.diff(gains[30.0]) <= 0)
+        assert 0.5 < gains[30.0][-1] <= 1
+        np.testing.assert_allclose(gains[30.0], gains[60.0][1::2], atol=0.03)
+    still = shot(0, 30.0)
+    np.testing.assert_allclose(_exposure(np.full_like(still.time, 80.0), still), 1.0)
 
 
 def test_equal_keys_give_equal_films():

@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -61,11 +62,12 @@ def test_what_is_finished_is_not_computed_again(eye, tmp_path, monkeypatch):
     assert again.identical(first)
 
 
-def test_a_chunk_that_was_lost_is_computed_again(eye, tmp_path, monkeypatch):
-    """What Zarr reads in the place of a file that is gone is NaN."""
+@pytest.mark.parametrize("lose", [Path.unlink, lambda chunk: chunk.write_bytes(b"")], ids=["gone", "empty"])
+def test_a_chunk_that_was_lost_is_computed_again(eye, tmp_path, monkeypatch, lose):
+    """In the place of a file that is gone Zarr reads NaN; an empty one, as a power cut leaves, it cannot read."""
     settings = {**AXES, "channels": ["smp"], "block": 2, "store": tmp_path / "it.zarr"}
     first = lgmd.sweep(lgmd.LGMD2(), lgmd.stimuli.looming, eye, **settings).load()
-    (tmp_path / "it.zarr/smp/c/1/0/0").unlink()
+    lose(tmp_path / "it.zarr/smp/c/1/0/0")
     computed = []
     compute = Plan.compute
     monkeypatch.setattr(Plan, "compute", lambda plan, number: computed.append(number) or compute(plan, number))

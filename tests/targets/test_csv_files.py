@@ -110,6 +110,12 @@ def test_what_could_be_read_wrongly_is_refused(write, text, settings, message):
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.parametrize("column", [1, [], ["rate", 2], None])
+def test_a_column_goes_by_its_name(write, untyped, column):
+    with pytest.raises(ValueError, match=r"column is .*; give a name of the header, or a list of them"):
+        lgmd.read_target(write("t,rate\n0,1\n"), column=column, channel="rate")
+
+
 def test_the_unit_in_the_name_of_a_column_counts(write):
     for name, values in (("rate (kHz)", "0.5"), ("rate [spikes/s]", "500"), ("rate (DCMD)", "500")):
         read = lgmd.read_target(write(f"t_ms,{name}\n0,{values}\n"), column=name, channel="rate")

@@ -127,6 +127,18 @@ def test_interlacing_is_said(tmp_path):
         open_clip(path)
 
 
+@pytest.mark.parametrize(("curve", "name"), [("smpte2084", "PQ"), ("arib-std-b67", "HLG")])
+def test_a_wide_range_of_light_is_said(tmp_path, curve, name):
+    """As phones film by default: such levels are no usual grey levels."""
+
+    def setup(stream):
+        stream.codec_context.options = {"x264-params": f"transfer={curve}"}
+
+    path = write_video(tmp_path / "phone.mp4", noise(3, (32, 48)), "libx264", "yuv420p", setup=setup)
+    with pytest.warns(ClipWarning, match=rf"its levels are coded for HDR \({name}\), in which contrasts are others"):
+        open_clip(path)
+
+
 def test_a_second_video_is_said(tmp_path):
     path = tmp_path / "clip.mkv"
     with av.open(str(path), "w") as container:
