@@ -100,10 +100,10 @@ def comparison_section(title: str, comparison: Comparison) -> Section:
     """Detectors side by side, at their own thresholds and at budgets of false alarms."""
     rows = []
     for name, compared in comparison.detectors.items():
-        title = TITLES.get(name, name)
+        shown = TITLES.get(name, name)
         if compared.own is not None:
-            rows.append(_compared(title, "its own", compared.own))
-        rows += [_compared(title, f"{budget:g} a minute", outcome) for budget, outcome in compared.at_budgets.items()]
+            rows.append(_compared(shown, "its own", compared.own))
+        rows += [_compared(shown, f"{budget:g} a minute", outcome) for budget, outcome in compared.at_budgets.items()]
     first = next(iter(comparison.detectors))
     first = TITLES.get(first, first)
     sentences = (
