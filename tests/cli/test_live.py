@@ -233,9 +233,18 @@ def test_a_frame_of_another_size_is_refused():
 # How it ends
 
 
-def test_ctrl_c_ends_it_well(place, capsys):
+class Pressing(Tally):
+    """Presses Ctrl-C half a second after the first frame, when all have come."""
+
+    def add(self, moment):
+        super().add(moment)
+        if self.frames == 1:
+            threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT)).start()
+
+
+def test_ctrl_c_ends_it_well(place, capsys, monkeypatch):
+    monkeypatch.setattr(live, "Tally", Pressing)
     over = threading.Event()
-    threading.Timer(1.0, os.kill, (os.getpid(), signal.SIGINT)).start()
     with over_tcp(looms(20), then=over) as url:
         assert main(["live", url, "--csv", "a.csv", "--timeout", "15"]) == 0
         over.set()

@@ -95,8 +95,8 @@ def test_what_the_law_does_not_know_is_refused():
     dark = [lgmd.Target("smp_adapted", target.values) for _, (target,) in pairs]
     check_approaches(pairs)
     for wrong, message in (
-        ([(still, pairs[0][1])], "no approach"),
-        ([(pairs[0][0], [dark[0]])], "no approach"),
+        ([(still, pairs[0][1])], "is not an approach"),
+        ([(pairs[0][0], [dark[0]])], "is not an approach"),
         (pairs[:1], "one l/"),
     ):
         with pytest.raises(ValueError, match=message):
