@@ -168,7 +168,7 @@ def check_stretches(
     labels.sort()
     alarm = min((first for first, _, kind in labels if kind == "alarm"), default=None)
     if contact is not None and alarm is not None and contact < alarm:
-        raise ValueError(f"{name}: contact is frame {contact}, before an alarm is wanted, from {alarm} on; mend one")
+        raise ValueError(f"{name}: contact is frame {contact}, before an alarm is wanted, from {alarm} on; correct one")
     for (_, end, kind), (first, _, other) in itertools.pairwise(labels):
         if first <= end:
             raise ValueError(f"{name}: {kind} up to {end} and {other} from {first} overlap; shorten one of them")

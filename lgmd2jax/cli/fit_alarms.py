@@ -134,7 +134,7 @@ def _kept(
     key: str,
     clips: Sequence[LabelledClip],
 ) -> dict[str, Evaluation]:
-    """What detectors do on clips: judged once, then taken from the memory, so that a fit continues it."""
+    """What detectors do on clips: judged once, then taken from the memory, when a stopped fit is resumed."""
     if key not in memory:
         memory[key] = {
             name: {"T_sp": each.T_sp, "evidence": [trace.tolist() for trace in each.evidence]}

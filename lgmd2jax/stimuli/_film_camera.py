@@ -30,9 +30,8 @@ def recorded(light: Float[np.ndarray, "time row col"], shot: Shot) -> UInt8[np.n
     gain = _exposure(light.mean(axis=(1, 2)), shot) * (1 + flicker * beat)
     exposed = middle + contrast * (light * gain[:, None, None] - middle)
     noise = np.random.default_rng(shot.chance.integers(2**32)).standard_normal(light.shape, np.float32)
-    noise *= shot.log(0.3, 3) * np.sqrt(
-        np.clip(exposed, 10, 255) / 128
-    )  # photons come by chance, more where it is light
+    # Photons come by chance: where there are more of them, their number varies more.
+    noise *= shot.log(0.3, 3) * np.sqrt(np.clip(exposed, 10, 255) / 128)
     frames = _in_8_bits(exposed + noise)
     crf, compressed = int(shot.chance.integers(*_CRF)), shot.often(_COMPRESSED)
     repeats, ratio = shot.often(_CONVERTED), float(shot.chance.choice(FILM_BY_FILE))

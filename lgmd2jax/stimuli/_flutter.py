@@ -3,7 +3,7 @@
 import numpy as np
 from jaxtyping import Float
 
-from lgmd2jax.stimuli._shot import Shot
+from lgmd2jax.stimuli._shot import Shot, swings
 
 _SEEN = 0.5  # of the films
 _PATCH = 2  # rays in each direction that go to and fro together: a pixel of the eye
@@ -24,8 +24,6 @@ def fluttered(light: Float[np.ndarray, "time row col"], shot: Shot) -> Float[np.
         (np.linspace(0, 1, rows)[:, None] - shot.between(0, 1)) / shot.log(0.1, 0.6),
         (np.linspace(0, 1, cols) - shot.between(0, 1)) / shot.log(0.1, 0.6),
     )
-    swings = [
-        np.sin(2 * np.pi * (rate * shot.time[:, None, None] + phase)) for rate, phase in zip(rates, phases, strict=True)
-    ]
-    restless = size * np.clip(2 - 2 * off, 0, 1) * np.sqrt(2 / _SWINGS) * np.sum(swings, axis=0)
+    moving = size * np.clip(2 - 2 * off, 0, 1)
+    restless = moving * np.sqrt(2 / _SWINGS) * swings(shot.time[:, None, None], rates, phases)
     return light * (1 + restless.repeat(_PATCH, axis=1).repeat(_PATCH, axis=2))

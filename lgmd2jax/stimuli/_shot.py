@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from jaxtyping import Float
@@ -45,5 +46,12 @@ class Shot:
     def sway(self, size: float | int, slowest_hz: float | int, fastest_hz: float | int) -> Course:
         """A restless course of this root mean square: three swings."""
         rates, phases = [self.log(slowest_hz, fastest_hz) for _ in range(3)], self.chance.random(3)
-        swings = [np.sin(2 * np.pi * (rate * self.time + phase)) for rate, phase in zip(rates, phases, strict=True)]
-        return size * np.sqrt(2 / 3) * np.sum(swings, axis=0)
+        return size * np.sqrt(2 / 3) * swings(self.time, rates, phases)
+
+
+def swings(
+    time: Float[np.ndarray, "*time"], rates_hz: Sequence[float], phases: Float[np.ndarray, "swing *place"]
+) -> Float[np.ndarray, "*course"]:
+    """The sum of sines of amplitude 1; phases are in turns."""
+    sines = [np.sin(2 * np.pi * (rate * time + phase)) for rate, phase in zip(rates_hz, phases, strict=True)]
+    return np.sum(sines, axis=0)

@@ -84,7 +84,7 @@ def test_leaves_stir_alike_at_any_frame_rate_and_in_a_part_of_the_field():
         stirs = fast.std(axis=0) > 0.1
         restless += stirs.any()
         assert stirs.mean() < 0.9
-    assert 4 <= restless <= 12  # of 20, 40 % wanted
+    assert 4 <= restless <= 12  # of 20, a half wanted
 
 
 def test_exposure_evens_out_a_change_of_light_and_keeps_its_pace_at_any_frame_rate():
