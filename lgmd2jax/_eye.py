@@ -9,6 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, ScalarLike
 
+from lgmd2jax._arguments import checked
 from lgmd2jax._words import nearest
 
 PROJECTIONS = ("equidistant", "pinhole")
@@ -16,6 +17,7 @@ PRESETS = ("paper", "colias", "locust")
 _EDGE = 89.0  # degrees; what is seen further from the axis lies outside of every flat image
 
 
+@checked
 @dataclasses.dataclass(frozen=True)
 class Eye:
     """The sampling that a stimulus is rendered for and that a parameter set belongs to.
@@ -66,6 +68,7 @@ class Eye:
             )
 
     @classmethod
+    @checked
     def from_field_of_view(
         cls,
         rows: int,
@@ -88,6 +91,7 @@ class Eye:
         return cls(rows, cols, math.degrees(2 * math.atan(0.5 / focal)), fps, projection)
 
     @classmethod
+    @checked
     def preset(cls, name: str) -> "Eye":
         """One of the eyes that the literature uses; `dataclasses.replace(eye, fps=200.0)` changes a field.
 
@@ -134,6 +138,7 @@ class Eye:
         """
         return self.rows * self.cols * self._degrees_per_pixel**2
 
+    @checked
     def project(self, degrees: ScalarLike | Float[Array, " time"]) -> Array:
         """Distance from the image's centre, in pixels, of what is seen `degrees` off the axis.
 

@@ -15,6 +15,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Real
 
+from lgmd2jax._arguments import checked
 from lgmd2jax._channels import RESPONSE, Description
 from lgmd2jax._compute.traced_once import traced_once
 from lgmd2jax._eye import Eye
@@ -142,6 +143,7 @@ class AbstractNetwork(eqx.Module):
         fields = ", ".join([thresholds, *(f"{name}={getattr(self, name)!r}" for name in others)])
         return f"{type(self).__name__}({fields},\n{self.parameters})"
 
+    @checked
     def __call__(
         self,
         frames: Real[Array | np.ndarray, "time row col"],
@@ -178,6 +180,7 @@ class AbstractNetwork(eqx.Module):
         response = _respond(self, frames, lasts, record)
         return self._checked(response, lasts, check)
 
+    @checked
     def init(self, frame: Real[Array | np.ndarray, "row col"]) -> State:
         """The state before the first frame: at rest, with `frame` as what was seen before, L(-1).
 
@@ -192,6 +195,7 @@ class AbstractNetwork(eqx.Module):
         frame = frame.astype(self._dtype_for(frame))
         return State(_in(self.pixels, frame.dtype).rest(frame), self._cell_for(frame).rest(), (rows, cols))
 
+    @checked
     def step(
         self,
         state: State,
@@ -324,12 +328,6 @@ def _advance(network: AbstractNetwork, state: State, frame, interval, record) ->
     cell_state, response = cell.step(state.cell, *cast((sums, interval), cell.parameters.dtype), frame.size)
     response = dataclasses.replace(_nan_as(sums, response), recorded=None if record is None else record(layers))
     return State(pixel_state, cell_state, state.shape), response
-
-
-def check_network(model: object, kind: type[AbstractNetwork] = AbstractNetwork) -> None:
-    """Raise `ValueError` for what is no network of this kind, such as its class."""
-    if not isinstance(model, kind):
-        raise ValueError(f"model is {model!r:.60}; give a model, such as lgmd2jax.LGMD2()")
 
 
 def _form(tree) -> tuple[Any, list[tuple[int, ...]]]:

@@ -11,6 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array
 
+from lgmd2jax._arguments import checked
 from lgmd2jax._types import is_concrete
 
 Stage = Literal["pixels", "cell", "observation"]
@@ -89,6 +90,7 @@ def scalar(value) -> Array:
     return jnp.asarray(value, dtype=jax.dtypes.canonicalize_dtype(value.dtype))
 
 
+@checked
 def declares(
     meaning: str,
     unit: str,

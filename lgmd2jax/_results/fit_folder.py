@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from lgmd2jax._arguments import checked
 from lgmd2jax._channels import Channel
 from lgmd2jax._files.atomic import read_json
 from lgmd2jax._files.catalogue import locate
@@ -44,6 +45,7 @@ _FURTHER = ("upper", "exposure")  # columns that only some curves have
 _COLUMNS = ("target", "sem", "weight", "soft", "hard", "band", "error")
 
 
+@checked
 def save_fit(
     fit: Fit,
     folder: str | Path,
@@ -146,6 +148,7 @@ class FitFolder:
         write_posterior(folder / _POSTERIOR, self.fit.values_of(draws), units, statistics)
 
 
+@checked
 def load_fit(folder: str | Path, conditions: Sequence[AnyCondition] | None = None) -> Fit:
     """The fit of a result folder or of its fit.json, or of a shipped one by its bare name.
 

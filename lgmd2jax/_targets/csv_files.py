@@ -7,6 +7,7 @@ from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
+from lgmd2jax._arguments import checked
 from lgmd2jax._channels import Channel
 from lgmd2jax._targets.columns import Columns, Where, read_columns
 from lgmd2jax._targets.spike_trains import Likelihood, SpikeTrains
@@ -19,6 +20,7 @@ _SMP = -5.0, 5.0  # farther than noise takes a potential of 0.5 to 1, nearer tha
 _POOLED = 4  # trials for which the variance counts that all times share
 
 
+@checked
 def read_target(
     path: str | os.PathLike,
     *,
@@ -52,8 +54,8 @@ def read_target(
     """
     names = [column] if isinstance(column, str) else column
     try:
-        if not (isinstance(names, Sequence) and names and all(isinstance(name, str) for name in names)):
-            raise ValueError(f"column is {column!r:.60}; give a name of the header, or a list of them")
+        if not names:
+            raise ValueError(f"column is {column!r}; give a name of the header, or a tuple of names")
         factors = [_factor(name, unit, channel) for name in [*names, *([sem] if sem else [])]]
         table = read_columns(path, separator, decimal).where(where)
         clock, ms = table.time(time, time_unit, [*names, *(where or ()), *([sem] if sem else [])])
@@ -69,6 +71,7 @@ def read_target(
         raise ValueError(f"{path}: {error}") from error
 
 
+@checked
 def read_spike_trains(
     path: str | os.PathLike,
     *,

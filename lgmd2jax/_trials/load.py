@@ -7,6 +7,7 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
 
+from lgmd2jax._arguments import checked
 from lgmd2jax._targets.columns import Columns, read_columns
 from lgmd2jax._trials.excel import sheets_of
 from lgmd2jax._trials.header import column_of
@@ -29,6 +30,7 @@ _WITH_COMMA = re.compile(r"[-+]?\d+,\d+(e[-+]?\d+)?", re.IGNORECASE)
 _WITH_POINT = re.compile(r"[-+]?\d*\.\d+(e[-+]?\d+)?", re.IGNORECASE)
 
 
+@checked
 def load_trials(
     *sources: Any,
     time_unit: str | None = None,

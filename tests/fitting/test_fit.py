@@ -298,7 +298,7 @@ def test_the_next_stimulus_is_the_one_that_shows_the_parameter(looms):
         ({"memory": []}, r"memory is \[\]; give a mapping that keeps what is set"),
         ({"observation": "rate"}, "observation is 'rate'; give an Observation"),
         ({"free": {"k": (0.1, 2)}}, r"free is \{'k': \(0.1, 2\)\}; give which parameters may change"),
-        ({"model": lgmd.LGMD2}, "model is <class .*; give a model, such as lgmd2jax.LGMD2"),
+        ({"model": lgmd.LGMD2}, "model is the class LGMD2; give a model, such as lgmd2jax.LGMD2"),
         ({"loss": "absolute"}, "loss is 'absolute'; choose"),
         ({"pixel_points": 0}, "pixel_points is 0; give a whole number"),
         ({"descend": 1.5}, "descend is 1.5"),
