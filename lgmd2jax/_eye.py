@@ -2,15 +2,14 @@
 
 import dataclasses
 import math
-import warnings
 from typing import Literal
 
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, ScalarLike
 
-from lgmd2jax._arguments import checked
-from lgmd2jax._words import nearest
+from lgmd2jax._arguments.checked import checked
+from lgmd2jax._words import nearest, warn
 
 PROJECTIONS = ("equidistant", "pinhole")
 PRESETS = ("paper", "colias", "locust")
@@ -62,10 +61,7 @@ class Eye:
         if self.projection not in PROJECTIONS:
             raise ValueError(f"projection is {self.projection!r}; choose {nearest(self.projection, PROJECTIONS)}")
         if self.fps < 1:
-            warnings.warn(
-                f"fps is {self.fps:.4g}; were {1 / self.fps:.4g} frames per second meant, given as an interval in s?",
-                stacklevel=3,
-            )
+            warn(f"fps is {self.fps:.4g}; were {1 / self.fps:.4g} frames per second meant, given as an interval in s?")
 
     @classmethod
     @checked

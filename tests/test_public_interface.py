@@ -95,7 +95,7 @@ def excluded(annotation):
     except BeartypeException:
         return []
     # Python counts True among the numbers, and text as a sequence of texts.
-    wrong = [value for value in wrong if not (scalar and isinstance(value, float) or nested and np.ndim(value))]
+    wrong = [value for value in wrong if not ((scalar and isinstance(value, float)) or (nested and np.ndim(value)))]
     return [*wrong, *([True] if number else []), *(["rate!"] if names and not is_bearable("", str) else [])]
 
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 import numpy as np
 from jaxtyping import Array, Key
 
-from lgmd2jax._arguments import checked
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._characterise.curves import curves_of
 from lgmd2jax._characterise.exam import Exam, ExamSums, exam_of, sums_of
 from lgmd2jax._characterise.measurements import Measurements, measure, result_of

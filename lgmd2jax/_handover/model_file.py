@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from lgmd2jax import hard
-from lgmd2jax._arguments import checked
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._eye import Eye
 from lgmd2jax._files.atomic import read_json, replaced
 from lgmd2jax._handover.response_vector import response_vector

@@ -5,7 +5,6 @@ import dataclasses
 import functools
 import math
 import typing
-import warnings
 from collections.abc import Mapping
 from typing import Any, Literal, TypeVar
 
@@ -15,7 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Real
 
-from lgmd2jax._arguments import checked
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._channels import RESPONSE, Description
 from lgmd2jax._compute.traced_once import traced_once
 from lgmd2jax._eye import Eye
@@ -24,6 +23,7 @@ from lgmd2jax._network.stages import AbstractCell, AbstractPixels, Interval, Lev
 from lgmd2jax._network.structure import structure_fields
 from lgmd2jax._network.thresholds import Thresholds
 from lgmd2jax._types import Number, cast, is_concrete, unless_nan
+from lgmd2jax._words import warn
 from lgmd2jax.hard import BRIGHTEST, SECONDS
 
 Neuron = Literal["LGMD2", "LGMD1"]
@@ -259,7 +259,7 @@ class AbstractNetwork(eqx.Module):
                 raise ValueError("fps and interval are both given; give the one that is known")
             interval = _positive(interval, "interval", "ms", shape)
             if is_concrete(interval) and SECONDS[0] < (usual := float(np.median(interval))) < SECONDS[1]:
-                warnings.warn(f"interval is {usual:.4g} ms; was {1000 * usual:.4g} ms meant, given in s?", stacklevel=3)
+                warn(f"interval is {usual:.4g} ms; was {1000 * usual:.4g} ms meant, given in s?")
             return interval
         if fps is None:
             if self.eye is None:
@@ -267,9 +267,9 @@ class AbstractNetwork(eqx.Module):
             fps = self.eye.fps
         interval = 1000 / _positive(fps, "fps", "frames per second", ())
         if is_concrete(fps) and fps < 1:
-            warnings.warn(f"fps is {fps:.4g}; were {1 / fps:.4g} meant, given as an interval in s?", stacklevel=3)
+            warn(f"fps is {fps:.4g}; were {1 / fps:.4g} meant, given as an interval in s?")
         if self.eye is not None and is_concrete(fps) and abs(fps / self.eye.fps - 1) > 0.01:
-            warnings.warn(f"the parameters belong to {self.eye.fps:g} frames per second, not {fps:g}", stacklevel=3)
+            warn(f"the parameters belong to {self.eye.fps:g} frames per second, not {fps:g}")
         return interval
 
     def _check_conflicts(self) -> None:
@@ -378,13 +378,9 @@ def _warn_of_levels(frames: np.ndarray) -> None:
     lowest, highest = frames.min(), frames.max()
     if -1 <= lowest < highest <= 1:
         span = "0..1" if lowest >= 0 else "-1..1"
-        warnings.warn(
-            f"frames lie in {span}; were grey levels in 0..255 meant? Give black as 0 and white as 255", stacklevel=3
-        )
+        warn(f"frames lie in {span}; were grey levels in 0..255 meant? Give black as 0 and white as 255")
     elif BRIGHTEST < highest < np.inf:
-        warnings.warn(
-            f"frames reach {highest:g}; grey levels lie in 0..255: multiply by 255 over what is white", stacklevel=3
-        )
+        warn(f"frames reach {highest:g}; grey levels lie in 0..255: multiply by 255 over what is white")
 
 
 def _positive(value, name: str, unit: str, shape: tuple[int, ...]) -> Array:

@@ -6,7 +6,7 @@ from typing import Any
 
 import equinox as eqx
 
-from lgmd2jax._arguments import checked
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._channels import RESPONSE, Description
 from lgmd2jax._eye import Eye
 from lgmd2jax._network.abstract import AbstractNetwork, Neuron

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from lgmd2jax._arguments import checked
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._network.abstract import AbstractNetwork
 
 _SECONDS, _PIXELS, _MEAN = 5.0, (24, 32), 128.0  # longer than a changed pixel counts; grey levels

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 import equinox as eqx
 from jaxtyping import Array, Float
 
-from lgmd2jax._arguments import checked
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._network.parameter_set import ParameterSet, Symbol, declared, declares, scalar
 from lgmd2jax._words import nearest
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import equinox as eqx
 
-from lgmd2jax._arguments import checked
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._words import nearest
 
 _MOST = 10_000  # of what counts; more would only fill the memory

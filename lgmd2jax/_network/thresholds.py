@@ -11,7 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from lgmd2jax._arguments import checked
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._network.parameter_set import scalar
 from lgmd2jax._types import Map, Scalar, is_concrete, unless_nan
 

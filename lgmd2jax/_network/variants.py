@@ -4,7 +4,7 @@ import dataclasses
 
 import jax.numpy as jnp
 
-from lgmd2jax._arguments import checked
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._eye import Eye
 from lgmd2jax._network.abstract import AnyNetwork
 from lgmd2jax._network.parameter_set import declared

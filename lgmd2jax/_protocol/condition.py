@@ -6,7 +6,7 @@ from typing import Any
 
 import jax
 
-from lgmd2jax._arguments import checked
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._eye import Eye
 from lgmd2jax._targets.target import AnyTarget
 from lgmd2jax._words import nearest, within

@@ -11,7 +11,7 @@ from typing import Any, Literal
 import jax
 import numpy as np
 
-from lgmd2jax._arguments import checked
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._characterise import characterise
 from lgmd2jax._compute.finished_work import Memory, MemoryPart
 from lgmd2jax._files.catalogue import beside, locate

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from lgmd2jax._arguments import checked
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._files.catalogue import read_named
 from lgmd2jax._recipes.fit import Recipe, fit_recipe
 from lgmd2jax._recipes.sweep import SweepRecipe, sweep_recipe

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from lgmd2jax._arguments import checked
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._channels import Channel
 from lgmd2jax._files.atomic import read_json
 from lgmd2jax._files.catalogue import locate

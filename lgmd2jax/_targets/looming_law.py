@@ -6,7 +6,7 @@ import math
 import numpy as np
 from jaxtyping import Float
 
-from lgmd2jax._arguments import checked
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._channels import Channel
 from lgmd2jax._targets.rest import resting
 from lgmd2jax._targets.target import Target

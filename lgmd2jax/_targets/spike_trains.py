@@ -2,7 +2,6 @@
 
 import dataclasses
 import math
-import warnings
 from collections.abc import Iterable, Sequence
 from typing import Annotated, Any, Literal, get_args
 
@@ -10,12 +9,12 @@ import numpy as np
 from jaxtyping import Array, Float
 from scipy.special import ndtr
 
-from lgmd2jax._arguments import checked
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._targets.clock import doubt, share_inside
 from lgmd2jax._targets.gaussian_sum import gaussian_sum
 from lgmd2jax._targets.target import Target
 from lgmd2jax._targets.units import duration, times
-from lgmd2jax._words import nearest
+from lgmd2jax._words import nearest, warn
 from lgmd2jax.stimuli import Stimulus
 
 Trial = Sequence[float | int] | Array | np.ndarray
@@ -191,7 +190,7 @@ def _check_clock(spikes: np.ndarray, time: np.ndarray) -> None:
         return
     if share_inside(spikes, float(time[0]), float(time[-1])) == 0:
         raise ValueError(f"the spike times {reason}")
-    warnings.warn(f"the spike times {reason}", stacklevel=3)
+    warn(f"the spike times {reason}")
 
 
 def _kernel(kernel_ms: Any) -> float | int:

@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 
-from lgmd2jax._arguments import checked
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._targets.target import AnyTarget, Target, check_correlation
 from lgmd2jax.stimuli import Stimulus
 

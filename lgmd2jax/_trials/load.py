@@ -7,7 +7,7 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
 
-from lgmd2jax._arguments import checked
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._targets.columns import Columns, read_columns
 from lgmd2jax._trials.excel import sheets_of
 from lgmd2jax._trials.header import column_of

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from lgmd2jax._arguments import checked
+from lgmd2jax._arguments.checked import checked
 
 Condition = Mapping[str, float | str]
 

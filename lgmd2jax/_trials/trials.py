@@ -4,7 +4,7 @@ import dataclasses
 from collections.abc import Iterator
 from typing import Any
 
-from lgmd2jax._arguments import checked
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._targets.spike_trains import Likelihood, SpikeTrains
 from lgmd2jax._trials.peak_line import LoomingEstimate, estimate
 from lgmd2jax._trials.trial import Condition, Trial, natural, told

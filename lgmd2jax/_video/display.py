@@ -6,7 +6,7 @@ from fractions import Fraction
 import numpy as np
 from jaxtyping import UInt8
 
-from lgmd2jax._arguments import checked
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._files.atomic import replaced
 from lgmd2jax._pyav import pyav
 from lgmd2jax.stimuli import Stimulus

@@ -9,7 +9,7 @@ import numpy as np
 import scipy
 from jaxtyping import Float, Int
 
-from lgmd2jax._arguments import checked
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax.alarms._clip import ClipLabels
 from lgmd2jax.alarms._counts import Counts, Share
 from lgmd2jax.alarms._evaluation import Evaluation

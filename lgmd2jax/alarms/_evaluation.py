@@ -10,7 +10,7 @@ import jax
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
-from lgmd2jax._arguments import checked
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._compute.traced_once import traced_once
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._signals import stretches

@@ -11,7 +11,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, ScalarLike
 
-from lgmd2jax._arguments import checked
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._network.lgmd2 import LGMD2
 
 NEVER = 0.0  # below every potential: no T_sp raises the alarm

@@ -10,7 +10,7 @@ from typing import Any
 import jax
 import numpy as np
 
-from lgmd2jax._arguments import checked
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._files.catalogue import beside, read_named
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._schemas.check import check

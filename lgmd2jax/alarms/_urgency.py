@@ -12,7 +12,7 @@ import scipy
 from jaxtyping import Array, Bool, Float, Int, ScalarLike
 
 from lgmd2jax import hard
-from lgmd2jax._arguments import checked
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._handover.model_file import calibrate, calibration_of
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._network.stages import Response

@@ -10,7 +10,7 @@ import math
 import numpy as np
 from jaxtyping import Bool, Float
 
-from lgmd2jax._arguments import checked
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax.stimuli._camera import FLICKER, FLICKER_HZ, NOISE
 
 SIDE_CM = 110.0

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import PRNGKeyArray
 
-from lgmd2jax._arguments import checked
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._compute.batching import each_on_all_devices
 from lgmd2jax._compute.traced_once import traced_once
 from lgmd2jax._eye import Eye

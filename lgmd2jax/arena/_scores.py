@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from jaxtyping import Float, Int
 
-from lgmd2jax._arguments import checked
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._reports.interval import Interval
 from lgmd2jax.arena._drive import Trip
 from lgmd2jax.arena._layout import SIDE_CM, Layout

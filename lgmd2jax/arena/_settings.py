@@ -1,6 +1,6 @@
 """The detectors that are compared, with the settings that were found for them on arenas kept for that."""
 
-from lgmd2jax._arguments import checked
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._files.atomic import read_json
 from lgmd2jax._files.catalogue import folder
 from lgmd2jax._network.abstract import AbstractNetwork

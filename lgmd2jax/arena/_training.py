@@ -11,7 +11,7 @@ from jaxtyping import Float
 from scipy.stats import qmc
 from tqdm import tqdm
 
-from lgmd2jax._arguments import checked
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._handover.named import model_named
 from lgmd2jax.arena._detectors import AbstractDetector, FrameDifference, NetworkDetector, NoDetector
 from lgmd2jax.arena._layout import Layout

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from lgmd2jax._arguments import checked
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._reports.digits import measured, plain
 from lgmd2jax._reports.section import Section, as_html, as_text
 from lgmd2jax.fitting._cells import unit_cell

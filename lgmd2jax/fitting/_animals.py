@@ -13,7 +13,7 @@ import jax
 from jaxtyping import Array
 from tqdm import tqdm
 
-from lgmd2jax._arguments import checked
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._compute.cluster import checked_client, prepare_worker, running_versions
 from lgmd2jax._compute.finished_work import MemoryPart
 from lgmd2jax._network.abstract import AbstractNetwork

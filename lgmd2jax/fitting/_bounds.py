@@ -4,7 +4,7 @@ import dataclasses
 import math
 from typing import Any, Literal
 
-from lgmd2jax._arguments import checked
+from lgmd2jax._arguments.checked import checked
 
 
 @dataclasses.dataclass(frozen=True)

@@ -12,7 +12,7 @@ import numpy as np
 import scipy
 from jaxtyping import Array, Float
 
-from lgmd2jax._arguments import checked
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._channels import Channel
 from lgmd2jax._eye import Eye
 from lgmd2jax._network.abstract import AbstractNetwork

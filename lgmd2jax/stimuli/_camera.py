@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from lgmd2jax._arguments import checked
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._types import Key, check_key
 from lgmd2jax.stimuli._arguments import number
 from lgmd2jax.stimuli._stimulus import Stimulus

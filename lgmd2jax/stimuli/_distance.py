@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from lgmd2jax._arguments import checked
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._types import Scalar, Times, is_concrete
 from lgmd2jax.stimuli._arguments import positive
 from lgmd2jax.stimuli._units import Centimetres

@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from typing_extensions import deprecated
 
-from lgmd2jax._arguments import checked
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._eye import Eye
 from lgmd2jax._types import Key, check_key
 from lgmd2jax.stimuli._arguments import one_of, positive
