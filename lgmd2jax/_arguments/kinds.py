@@ -114,7 +114,8 @@ def _sequence_of(elements: tuple, names: Mapping[str, Any]) -> Kind:
         return NAMES
     if elements and typing.get_origin(elements[0]) is Sequence:
         return Kind(_is_sequence, "a list of lists")  # what they hold, their taker knows
-    return Kind(_is_sequence, "a list", elements=_elements(elements, names))
+    within = _elements(elements, names)
+    return Kind(_is_sequence, "a list of numbers" if _NUMBER in within else "a list", elements=within)
 
 
 def _elements(annotations: tuple, names: Mapping[str, Any]) -> tuple[Kind, ...]:
@@ -151,9 +152,9 @@ def _is_whole(value: Any) -> bool:
 def _is_array(value: Any) -> bool:
     """Numbers, or lists of them. What is within lists is looked at where they become an array."""
     dtype = getattr(value, "dtype", None)
-    return (
-        _is_sequence(value) if dtype is None else np.ndim(value) > 0 and getattr(dtype, "kind", "f") in "iufbV"
-    )  # V: such as bfloat16
+    if dtype is None:
+        return _is_sequence(value)
+    return np.ndim(value) > 0 and getattr(dtype, "kind", "f") in "iufbV"  # V is bfloat16's
 
 
 _NONE = np.dtype("V")

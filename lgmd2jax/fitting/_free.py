@@ -3,7 +3,7 @@
 import dataclasses
 import math
 from collections.abc import Iterator, Mapping
-from typing import Any, NamedTuple, TypeVar
+from typing import Annotated, Any, NamedTuple, TypeVar
 
 import equinox as eqx
 import jax
@@ -68,6 +68,11 @@ class FreeParameter:
         return self.value(z) * math.log(self.high / self.low) if self.scale == "log" else self.high - self.low
 
 
+Choice = Annotated[
+    tuple[float | int, float | int] | Linear | Log | Tie | None, "(low, high), a Linear, a Log, a Tie or None"
+]
+
+
 @checked
 @jax.tree_util.register_pytree_node_class
 class Free:
@@ -85,7 +90,7 @@ class Free:
     domain, for priors without width, and for ties to what is tied itself.
     """
 
-    def __init__(self, **choices: "tuple[float | int, float | int] | Linear | Log | Tie | None"):
+    def __init__(self, **choices: Choice):
         known = (kind for kind in _kinds() if choices.keys() <= _symbols(kind).keys())
         self._resolve(choices, next(known, Parameters))
 
@@ -165,7 +170,7 @@ class Free:
                 raise ValueError(f"{name} is free, but acts on nothing in this {type(network).__name__}; {_cure(name)}")
 
     @checked
-    def also(self, **choices: "tuple[float | int, float | int] | Linear | Log | Tie | None") -> "Free":
+    def also(self, **choices: Choice) -> "Free":
         """These and further choices.
 
         **Raises:** `ValueError` as the class itself.
