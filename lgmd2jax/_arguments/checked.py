@@ -29,7 +29,12 @@ def checked(function: Checked) -> Checked:
     return kind
 
 
-def _checked(function: Callable, name: str) -> Any:
+def checked_names(function: Checked) -> Checked:
+    """The function, which refuses arguments that it does not take; of what kind they are, it looks at by itself."""
+    return _checked(function, function.__name__, kinds=False)
+
+
+def _checked(function: Callable, name: str, kinds: bool = True) -> Any:
     signature = inspect.signature(function)
 
     @functools.wraps(function)
@@ -38,7 +43,7 @@ def _checked(function: Callable, name: str) -> Any:
             given = signature.bind(*args, **kwargs).arguments
         except TypeError as error:
             raise ValueError(_misfit(name, signature, kwargs, error)) from None
-        for argument, value in given.items():
+        for argument, value in given.items() if kinds else ():
             _check(argument, value, signature.parameters[argument], function)
         return function(*args, **kwargs)
 

@@ -85,7 +85,8 @@ def _kind_of(part: Any, names: Mapping[str, Any]) -> Kind:
     if origin is typing.Annotated:
         kind, wanted = typing.get_args(part)
         kinds = _kinds(kind, names)
-        return Kind(lambda value: any(each.holds(value) for each in kinds), wanted)
+        elements = tuple(element for each in kinds for element in each.elements)
+        return Kind(lambda value: any(each.holds(value) for each in kinds), wanted, elements=elements)
     if part in _SIMPLE:
         return _SIMPLE[part]
     if isinstance(part, type) and issubclass(part, (jaxtyping.AbstractArray, np.generic)):
@@ -142,7 +143,8 @@ def _is_number(value: Any, kinds: str = "iufV") -> bool:
     """Also one that JAX traces."""
     if isinstance(value, (bool, str)):
         return False
-    return isinstance(value, (int, float)) or (np.ndim(value) == 0 and getattr(value, "dtype", _NONE).kind in kinds)
+    dtype = getattr(value, "dtype", None)
+    return isinstance(value, (int, float)) or (np.ndim(value) == 0 and getattr(dtype, "kind", "none") in kinds)
 
 
 def _is_whole(value: Any) -> bool:
@@ -157,7 +159,6 @@ def _is_array(value: Any) -> bool:
     return np.ndim(value) > 0 and getattr(dtype, "kind", "f") in "iufbV"  # V is bfloat16's
 
 
-_NONE = np.dtype("V")
 _NUMBER = Kind(_is_number, "a number")
 _ARRAY = Kind(_is_array, "an array of numbers")
 NAMES = Kind(_are_names, "a tuple of names")

@@ -4,7 +4,6 @@ import dataclasses
 from collections.abc import Mapping
 
 import numpy as np
-from jaxtyping import Array, Key
 
 from lgmd2jax._arguments.checked import checked
 from lgmd2jax._characterise.curves import curves_of
@@ -17,7 +16,7 @@ from lgmd2jax._eye import Eye
 from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.parameters import symbols
 from lgmd2jax._network.variants import ablate
-from lgmd2jax._types import check_key
+from lgmd2jax._types import Key, check_key
 from lgmd2jax.fitting import Fit
 
 _SLOWEST, _COARSEST, _NARROWEST = 10.0, 10.0, 40.0  # fps, degrees a pixel, degrees of field
@@ -25,9 +24,7 @@ _FINE = 1.0  # degrees a pixel
 
 
 @checked
-def characterise(
-    model: AbstractNetwork | Fit, *, key: Key[Array, ""] | None = None, progress: bool = False
-) -> Characterisation:
+def characterise(model: AbstractNetwork | Fit, *, key: Key | None = None, progress: bool = False) -> Characterisation:
     """The 22 response properties of a looming-sensitive neuron, measured on a model with its own eye.
 
     The stimuli are rendered once for an eye and kept; another model of the same structure and eye compiles nothing.

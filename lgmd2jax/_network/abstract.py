@@ -14,7 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Real
 
-from lgmd2jax._arguments.checked import checked
+from lgmd2jax._arguments.checked import checked_names
 from lgmd2jax._channels import RESPONSE, Description
 from lgmd2jax._compute.traced_once import traced_once
 from lgmd2jax._eye import Eye
@@ -143,7 +143,7 @@ class AbstractNetwork(eqx.Module):
         fields = ", ".join([thresholds, *(f"{name}={getattr(self, name)!r}" for name in others)])
         return f"{type(self).__name__}({fields},\n{self.parameters})"
 
-    @checked
+    @checked_names
     def __call__(
         self,
         frames: Real[Array | np.ndarray, "time row col"],
@@ -174,13 +174,14 @@ class AbstractNetwork(eqx.Module):
             raise ValueError(f"frames holds {count}; the network sees changes, so give at least 2")
         if is_concrete(frames):
             _warn_of_levels(np.asarray(frames))
+        _check_record(record)
         lasts = self._interval(fps, interval, (len(frames),))
         check_domains(self.parameters)
         self._check_conflicts()
         response = _respond(self, frames, lasts, record)
         return self._checked(response, lasts, check)
 
-    @checked
+    @checked_names
     def init(self, frame: Real[Array | np.ndarray, "row col"]) -> State:
         """The state before the first frame: at rest, with `frame` as what was seen before, L(-1).
 
@@ -195,7 +196,7 @@ class AbstractNetwork(eqx.Module):
         frame = frame.astype(self._dtype_for(frame))
         return State(_in(self.pixels, frame.dtype).rest(frame), self._cell_for(frame).rest(), (rows, cols))
 
-    @checked
+    @checked_names
     def step(
         self,
         state: State,
@@ -223,6 +224,7 @@ class AbstractNetwork(eqx.Module):
             raise ValueError(f"state is {state!r:.40}; give the one that init or the last step returned")
         if frame.shape != state.shape:
             raise ValueError(f"frame has shape {frame.shape}, the state {state.shape}; start again with init(frame)")
+        _check_record(record)
         lasts = self._interval(fps, interval, ())
         state, response = _advance(self, state, frame, lasts, record)
         return state, self._checked(response, lasts, check)
@@ -371,6 +373,11 @@ def _as_pixels(frames, name: str, shape: str, rank: int) -> Array:
     if not jnp.issubdtype(frames.dtype, jnp.integer) and frames.dtype not in (jnp.float32, jnp.float64):
         raise ValueError(f"{name} has dtype {frames.dtype}; give integers, float32 or float64")
     return frames
+
+
+def _check_record(record: object) -> None:
+    if not (record is None or callable(record)):
+        raise ValueError(f"record is {record!r:.60}; give a function of the layers, such as lambda layers: layers.s")
 
 
 def _warn_of_levels(frames: np.ndarray) -> None:
