@@ -10,7 +10,7 @@ import scipy.optimize
 import xarray
 
 import lgmd2jax as lgmd
-from benchmarks import _kernels, _peers, threshold_angle, words
+from benchmarks import _kernels, _peers, paper_sentences, threshold_angle
 from benchmarks._evolution import Evolution, outside
 from benchmarks._task import FPS, PARAMETERS, VALUES, Size, film
 from benchmarks._timing import time_together
@@ -146,9 +146,9 @@ def test_the_share_of_a_sentence_is_that_of_its_samples_within_the_band():
     pairs = [(stimuli[0], [first.on(stimuli[0])]), (stimuli[1], [first.on(stimuli[1]), second.on(stimuli[1])])]
     problem = problem_of(model, lgmd.Observation(), lgmd.Free(w_bias=None, T_sp=None), pairs, "squares")
     own = problem.free.place(model.parameters, lgmd.Observation())
-    kept = words.kept_by(
+    kept = paper_sentences.kept_by(
         problem,
-        words.sentences_of(problem, pairs),
+        paper_sentences.sentences_of(problem, pairs),
         jnp.asarray(own),
         jnp.asarray(own[None, list(problem.cell_indices)]),
     )
