@@ -1,6 +1,7 @@
 """The benchmark: its clock, its count of kernels, and that the peers compute the network that they are compared on."""
 
 import itertools
+import pathlib
 
 import jax
 import jax.numpy as jnp
@@ -18,11 +19,19 @@ from lgmd2jax.fitting._problem import problem_of
 from lgmd2jax.hard import HardLGMD2
 
 FRAMES = film(Size(25, 31), 60)
+BENCHMARKS = sorted((pathlib.Path(__file__).parents[1] / "benchmarks").glob("[a-z]*.py"))
 
 
 def peer(module):
     found = _peers.find(module)
     return found if found else pytest.skip(f"{_peers.PACKAGES[module]} is not installed")
+
+
+@pytest.mark.parametrize("path", BENCHMARKS, ids=lambda path: path.stem)
+def test_help_says_what_a_benchmark_shows_and_how_it_is_run(path):
+    text = path.read_text(encoding="utf-8")
+    assert "ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter" in text
+    assert f"python -m benchmarks.{path.stem}" in text.split('"""')[1]
 
 
 def test_the_film_passes_every_threshold_in_both_directions():
