@@ -170,7 +170,7 @@ def load_validated_fit(
     if isinstance(content, dict) and content.get("format") == ALARM_FIT:
         model = folder / "model.json"
         raise ValueError(
-            f"{folder} holds a fit to labelled clips, and here fits to curves are asked for; its model is {model}, which "
+            f"{folder} holds a fit to labelled clips, and not one to curves; its model is {model}, which "
             f"lgmd2jax.load({str(model)!r}) reads, and --model {folder} in other commands"
         )
     with within(f"{folder} holds no fit that can be used"):

@@ -152,7 +152,7 @@ class Comparison:
     def _sentences(self) -> tuple[str, ...]:
         counted = f"Chi2 counts {self.samples:.4g} independent samples"
         remarks = tuple(
-            f"The chi2 of {name} is not known, since results of version 0.1 do not hold their targets' errors; fit again."
+            f"The chi2 of {name} is not known, since results of version 0.1 lack the errors of targets; fit again."
             for name, chi2 in zip(self.names, self.chi2_in_all, strict=True)
             if np.isnan(chi2)
         )
