@@ -3,7 +3,7 @@
 python -m notebooks.build                     all, written beside their sources
 python -m notebooks.build first_fit           only this
 python -m notebooks.build --check             all, and none written
-python -m notebooks.build --check --tutorial  those that need no clone, by the lgmd2jax that is installed with this Python
+python -m notebooks.build --check --tutorial  those that need no clone, by the lgmd2jax that this Python has installed
 
 A source is plain Python in cells: `# %%` begins one of code, `# %% [markdown]` one of text in comments.
 """
