@@ -172,7 +172,10 @@ def load_validated_fit(
     content = read_json(folder / MARKER)
     if isinstance(content, dict) and content.get("format") == ALARM_FIT:
         model = folder / "model.json"
-        raise ValueError(f"{folder} holds a fit to labelled clips; take its model by lgmd2jax.load({str(model)!r})")
+        raise ValueError(
+            f"{folder} holds a fit to labelled clips, and not one to curves; its model is {model}, which "
+            f"lgmd2jax.load({str(model)!r}) reads, and --model {folder} in other commands"
+        )
     with within(f"{folder} holds no fit that can be used"):
         with within(MARKER):
             check(FIT, content)
