@@ -95,7 +95,7 @@ def _kind_of(part: Any, names: Mapping[str, Any]) -> Kind:
         base = typing.get_args(part)[0]
         return Kind(lambda value: isinstance(value, type) and issubclass(value, base), f"a class of {base.__name__}")
     if origin in (os.PathLike, Path):
-        return Kind(lambda value: isinstance(value, (str, os.PathLike)), "a path")
+        return Kind(lambda value: isinstance(value, os.PathLike) or (isinstance(value, str) and value != ""), "a path")
     if origin is collections.abc.Callable:
         return Kind(callable, "a function")
     if isinstance(origin, type) and issubclass(origin, Mapping):

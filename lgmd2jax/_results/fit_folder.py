@@ -193,7 +193,9 @@ def fit_folder(folder: str | Path) -> Path:
     **Raises:** `ValueError` for a folder that holds no fit, `FileNotFoundError` where there is none.
     """
     path = Path(folder)
-    if path.name == MARKER and path.is_file():
+    if path.is_file():
+        if path.name != MARKER:
+            raise ValueError(f"{path} is a file; give the folder of a fit, which holds a {MARKER}")
         return path.parent
     if path.is_dir():
         if not (path / MARKER).is_file():

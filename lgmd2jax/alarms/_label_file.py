@@ -207,6 +207,8 @@ def label_file(path: Path, table: dict[str, Any]) -> LabelFile:
         raise ValueError("there are no clips; list recorded ones under [[clip]], or ask for [rendered] ones")
     folder = path.parent.resolve()
     for number, clip in enumerate(clips):
+        if not clip["file"].strip():
+            raise ValueError(f"clip[{number}].file is {clip['file']!r}; give a video, or a folder of pictures")
         if not (place := folder / clip["file"]).exists():
             raise ValueError(f"clip[{number}].file: there is no {place}; give a path from the folder of this file")
         if {"alarm", "before_ms"} <= clip.keys():
