@@ -6,7 +6,8 @@
 # make notebooks   set everything up, run the notebooks and write them again
 # make docs   set everything up, build the documentation site; open build/site/index.html
 # make dist   set everything up, build the source archive and the wheel from it, check both; they lie in build/dist/
-# make test-wheel   the wheel outside of the clone, on the lowest and the newest Python: a smoke test and the examples
+# make test-wheel   the wheel outside of the clone, on the lowest and the newest Python: a smoke test, the examples and
+#                   the notebooks that need no clone
 # make lint   set everything up, check style, types, and which room imports which
 PYTHON ?= python3
 VENV ?= .venv
@@ -52,8 +53,9 @@ dist: $(VENV)/ready
 test-wheel: dist
 	for python in 3.11 3.13; do \
 		$(VENV)/bin/uv venv --quiet --clear --python $$python build/wheel-$$python && \
-		$(VENV)/bin/uv pip install --quiet --python build/wheel-$$python "$$(echo build/dist/*.whl)[cluster,video]" && \
-		$(VENV)/bin/python -m benchmarks.wheel build/wheel-$$python/bin/python || exit 1; \
+		$(VENV)/bin/uv pip install --quiet --python build/wheel-$$python "$$(echo build/dist/*.whl)[cluster,notebooks,video]" && \
+		$(VENV)/bin/python -m benchmarks.wheel build/wheel-$$python/bin/python && \
+		build/wheel-$$python/bin/python -m notebooks.build --check --tutorial || exit 1; \
 	done
 
 lint: $(VENV)/ready

@@ -1,4 +1,4 @@
-"""How fast a fit of alarms searches: parameter sets a second, over ten clips of 200 frames at 108 x 60.
+"""How many parameter sets a second a fit to labelled clips tries, over ten clips of 200 frames at 108 x 60 pixels.
 
 python -m benchmarks.alarms              98 pixel stages with 1,024 cells each: 100,352 parameter sets
 python -m benchmarks.alarms --points 16  fewer

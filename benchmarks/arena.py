@@ -1,4 +1,4 @@
-"""Robots in the arena: how fast 100 of them are, and the settings of their detectors.
+"""How fast 100 robots of the arena are simulated; with --train, which settings of their detectors serve best.
 
 python -m benchmarks.arena                    simulated seconds in each second, 100 robots at once, by detector
 python -m benchmarks.arena --train            choose the settings of all detectors again, into fits/arena/

@@ -1,4 +1,6 @@
-"""The exported C on this machine, beside hard.py, JAX and the numba loop, all in one run: python -m benchmarks.c_speed
+"""How long a frame takes in the exported C, in hard.py, in JAX and in a numba loop, all measured in one run.
+
+python -m benchmarks.c_speed
 
 Every program is called once a round, one after the other, over several rounds, on one core; times are medians of
 processor time, so that other work on the machine counts little. Each is checked against `lgmd2jax.hard` first. The film
@@ -6,6 +8,7 @@ has whole grey levels, as a camera gives them. The C compiler may use all that t
 fused products, and on x86 whole vector registers, as XLA is told to.
 """
 
+import argparse
 import os
 import platform
 import time
@@ -49,6 +52,7 @@ def programs(size: Size):
 
 def main() -> None:
     """Run the benchmark and print its table."""
+    argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args()
     os.sched_setaffinity(0, [min(os.sched_getaffinity(0))])
     set_flags()
     print(f"cc {' '.join(FLAGS)}\nsize      program       us a frame   C takes, of its time")

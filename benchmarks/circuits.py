@@ -1,4 +1,4 @@
-"""What each mechanism buys: circuits with and without them, fitted to the same data and held side by side.
+"""How much better circuits with additional mechanisms fit the same data than the circuit without them.
 
 python -m benchmarks.circuits fits/circuits_dcmd.toml -o results/circuits_dcmd
 python -m benchmarks.circuits fits/circuits_lgmd2.toml -o results/circuits_lgmd2

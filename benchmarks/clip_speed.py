@@ -1,4 +1,4 @@
-"""How fast clips are decoded and made small, and how much memory a long one takes.
+"""How many frames a second are decoded and shrunk, and how much memory a long clip takes.
 
 python -m benchmarks.clip_speed [--minutes 60]
 

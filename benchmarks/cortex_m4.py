@@ -1,4 +1,7 @@
-"""The C on a Cortex-M4F: flash, RAM, and an estimate of the time of a frame: python -m benchmarks.cortex_m4 [MODEL]
+"""How much flash and RAM the exported C takes on a Cortex-M4F, and an estimate of its time for a frame.
+
+python -m benchmarks.cortex_m4             Table I and the fitted LGMD2
+python -m benchmarks.cortex_m4 my-fit      another model
 
 The exported robot.c is compiled for the STM32F407, which gives flash and RAM. cortex_m4.c runs under QEMU, whose log
 names each block of instructions that is executed; the last frame counts, with texture and noise in each pixel. Each

@@ -1,4 +1,4 @@
-"""How often 95 % intervals of fits to single spike trains hold the truth.
+"""How often the 95 % intervals of fits to single spike trains contain the true values.
 
 python -m benchmarks.coverage                  200 sets of trains
 python -m benchmarks.coverage --sets 50 --trials 4

@@ -1,9 +1,12 @@
-"""The clip that the README's commands use: `python -m benchmarks.crash_clip` writes stimuli/crash.mp4 and its labels.
+"""Write the clip that the README's commands use, stimuli/crash.mp4, and its labels.
+
+python -m benchmarks.crash_clip
 
 A dark disc approaches over a photograph and hits, filmed by a camera of the angle of `lgmd2jax fit video` at four times
 its scale, at 24 frames a second; in the file of 30 every fourth frame comes twice, as in converted films.
 """
 
+import argparse
 from pathlib import Path
 
 import jax
@@ -59,4 +62,5 @@ def write(folder: Path) -> None:
 
 
 if __name__ == "__main__":
+    argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args()
     write(FOLDER)

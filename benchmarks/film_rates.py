@@ -1,4 +1,4 @@
-"""Does one parameter set mean the same at 10, 15, 30 and 60 frames a second? The same scenes filmed at each rate.
+"""Whether one parameter set gives the same alarms at 10, 15, 30 and 60 frames a second, on the same scenes.
 
 python -m benchmarks.film_rates                    the fit `video`, 100 scenes
 python -m benchmarks.film_rates MODEL --count 40   another model, fewer scenes

@@ -1,4 +1,4 @@
-"""Are rendered films like real ones? Both measured in the same way, source by source.
+"""Whether rendered films resemble real ones: both are measured in the same way, source by source.
 
 python -m benchmarks.film_statistics LABELS...                 prints quantiles of real, of rendered and of older clips
 python -m benchmarks.film_statistics LABELS... --figure FILE   draws them as well; stimuli/films.png is that

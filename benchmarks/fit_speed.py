@@ -1,4 +1,6 @@
-"""How much faster fits are by the exact sensitivities: python -m benchmarks.fit_speed twin lgmd2
+"""How much faster fits are with the library's own derivative of the pixel stage than with plain differentiation.
+
+python -m benchmarks.fit_speed twin lgmd2
 
 Each recipe is fitted in a fresh process, with XLA set up as by the command, once with the library's derivative of the
 pixel stage and once with plain differentiation of the same scan; then once more in the same process, which compiles

@@ -1,4 +1,4 @@
-"""How many of the 22 response properties and how much of the curves can one circuit with all mechanisms meet?
+"""How many of the 22 response properties one circuit with all mechanisms holds while it fits the target curves.
 
 python -m benchmarks.flagship                              40 minutes on two cores, from the shipped start
 python -m benchmarks.flagship --seeds 0 1 2 --minutes 60   three searches, each from the best of its own Sobol points

@@ -1,4 +1,4 @@
-"""What each command does where it cannot write: on a small disk that is full, and on one that is mounted read-only.
+"""What each command does where it cannot write: on a small disk that is full, and on one that is read-only.
 
 python -m benchmarks.full_disk                        as root on Linux, since it mounts a disk of 1 MB in memory
 python -m benchmarks.full_disk --only watch import    some of the commands

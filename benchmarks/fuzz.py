@@ -1,4 +1,4 @@
-"""Documents, pictures and clips with anything in them: each is taken, or refused in one sentence, never otherwise.
+"""Whether random documents, pictures and clips are each read, or refused in one sentence, and never crash a command.
 
 `python -m benchmarks.fuzz --documents 20000 --pictures 2000` says how many were taken and refused, and ends at the
 first that hangs, changes another file, or raises what is not meant for a user.

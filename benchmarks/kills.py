@@ -1,4 +1,4 @@
-"""What is left of a command that is killed at a random moment, and whether it goes on to the same results.
+"""Whether a command that is killed at a random moment leaves whole files, and ends with the same results when repeated.
 
 python -m benchmarks.kills              60 kills, by SIGKILL and SIGINT in turn, over five commands
 python -m benchmarks.kills --count 10   fewer

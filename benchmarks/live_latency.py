@@ -1,4 +1,7 @@
-"""How soon the alarm follows a frame, on one core, over minutes: python -m benchmarks.live_latency [--minutes 10]
+"""How soon the alarm of `lgmd2jax live` follows a frame, on one core, over minutes.
+
+python -m benchmarks.live_latency                10 minutes
+python -m benchmarks.live_latency --minutes 1
 
 Another process sends frames of 72x99 at 30 a second over TCP on loopback, JPEG in NUT, each when it is due. Here the
 loop of `lgmd2jax live` receives, decodes and answers them, shows its lines and writes its CSV file, held to one core.

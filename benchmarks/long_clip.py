@@ -1,4 +1,4 @@
-"""The memory that `respond` and `watch` take for a clip of an hour, beside that for a tenth of it.
+"""How much memory `respond` and `watch` take for a clip of an hour, beside that for a tenth of it.
 
 python -m benchmarks.long_clip                 clips of 6 and 60 minutes, 72 x 99 pixels at 30 frames a second
 python -m benchmarks.long_clip --minutes 1 6   shorter ones

@@ -1,7 +1,7 @@
 """Whether the tests notice a wrong line: each mutant changes one, and a test that is named must then fail.
 
-    python -m benchmarks.mutants          all of them
-    python -m benchmarks.mutants 2 7      these alone
+python -m benchmarks.mutants          all of them
+python -m benchmarks.mutants 2 7      these alone
 
 A mutant is made in a temporary copy; the tree stays as it is.
 """
@@ -188,7 +188,7 @@ def outcome(mutant: Mutant) -> str:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Print a line for each mutant. The status is 1 where one lives."""
-    parser = argparse.ArgumentParser(description="Change single lines; the named tests must fail.")
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("numbers", nargs="*", type=int, help="which mutants, from 1 on; by default all")
     numbers = parser.parse_args(arguments).numbers or range(1, len(MUTANTS) + 1)
     dead = 0

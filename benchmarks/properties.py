@@ -1,4 +1,4 @@
-"""Which of the 22 response properties can this circuit hold together? A two-level search over hard models.
+"""Which of the 22 response properties one circuit can hold together: a search over hard models.
 
 python -m benchmarks.properties                      256 random pixel stages, 256 directed ones, 512 cells for each
 python -m benchmarks.properties --figure pairs.png   the same, with a picture of which properties exclude each other

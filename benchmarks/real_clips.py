@@ -1,4 +1,4 @@
-"""The recorded clips beside this project: how long all of them take to decode, and their labels in one file.
+"""How long the recorded clips beside this project take to decode; with --labels, their labels in one file.
 
 python -m benchmarks.real_clips                      decode them, with an empty cache, and print for how long
 python -m benchmarks.real_clips --labels real.toml   write their labels, with the source of each clip, for

@@ -1,4 +1,6 @@
-"""Speed and memory beside the peers, all in one run: python -m benchmarks.speed
+"""How fast the model is, and how much memory it takes, beside other programs, all measured in one run.
+
+python -m benchmarks.speed
 
 Every subject is called once a round, one after the other, over several rounds. Times are medians, in microseconds a
 frame a stimulus, with compilation apart; ratios are medians of the ratios of each round. A peer is checked against

@@ -1,4 +1,4 @@
-"""How long do the commands take from a shell, when nothing is compiled yet and when all is?
+"""How long the commands take from a shell, the first time and once their programs are compiled.
 
 python -m benchmarks.startup                       each command five times cold and five times warm: half an hour
 python -m benchmarks.startup respond "fit twin"    these alone

@@ -1,4 +1,6 @@
-"""What a sweep costs beside single calls, what memory it takes, how it scales: python -m benchmarks.sweep
+"""How long a sweep takes beside single calls, how much memory, and how it gains from more workers.
+
+python -m benchmarks.sweep
 
 Three tables, each by itself with --only cost, memory or workers. Times are medians over rounds, in which every subject
 is called once, so that what disturbs the machine disturbs them all; compilation is apart.

@@ -1,4 +1,4 @@
-"""Has the cell one threshold angle for all contrasts and speeds? 1,000 looms for each of three circuits.
+"""Whether the response peaks at one angle of the disc for all contrasts and speeds: 1,000 looms for each circuit.
 
 python -m benchmarks.threshold_angle                                  prints the figures, a minute on two cores
 python -m benchmarks.threshold_angle --figure fits/lgmd2/surface.png  draws the surfaces as well

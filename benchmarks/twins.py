@@ -1,4 +1,4 @@
-"""Does a fit find what is there? Targets from random parameter sets, and the sets that the fit gives back.
+"""Whether a fit finds the parameters that its targets were made with: random sets, and what the fits give back.
 
 python -m benchmarks.twins --count 100           soft targets at temperature 1: the parameters must come back
 python -m benchmarks.twins --hard --count 20     hard targets: the handed-over hard model must give the same curves

@@ -1,7 +1,9 @@
-"""An installed wheel outside of the clone: `python -m benchmarks.wheel PYTHON [--fits]`, for the Python that has it.
+"""Whether an installed wheel works outside of the clone: a smoke test, and the examples of README.md and docs/.
 
-It runs the examples of README.md and of the pages in docs/ beside a copy of `stimuli/` and says which ended
-well. Without `--fits` it leaves out what takes minutes.
+python -m benchmarks.wheel /path/to/the/environment/bin/python
+
+The PYTHON is that of the environment in which the wheel was installed. The examples run in an empty folder, beside a
+copy of `stimuli/`. Without `--fits` those that take minutes are left out.
 """
 
 import argparse
@@ -28,7 +30,7 @@ print(lgmd.load_fit("dcmd").summary())
 
 def main(arguments: list[str] | None = None) -> int:
     """Run all examples and return 1 where one failed."""
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("python", type=Path, help="the Python into whose environment the wheel was installed")
     parser.add_argument("--fits", action="store_true", help="run also what takes minutes")
     options = parser.parse_args(arguments)

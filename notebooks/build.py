@@ -3,6 +3,7 @@
 python -m notebooks.build                     all, written beside their sources
 python -m notebooks.build first_fit           only this
 python -m notebooks.build --check             all, and none written
+python -m notebooks.build --check --tutorial  those that need no clone, by the lgmd2jax that this Python has installed
 
 A source is plain Python in cells: `# %%` begins one of code, `# %% [markdown]` one of text in comments.
 """
@@ -79,9 +80,10 @@ def main() -> int:
     """Run, and write what passed."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("name", nargs="*", help=f"of {', '.join(NAMES)} (default: all)")
+    parser.add_argument("--tutorial", action="store_true", help="those that need nothing of a clone")
     parser.add_argument("--check", action="store_true", help="run only; write nothing")
     options = parser.parse_args()
-    names = options.name or NAMES
+    names = options.name or (TUTORIAL if options.tutorial else NAMES)
     with ThreadPoolExecutor(_AT_ONCE) as pool:
         for name, (text, seconds) in zip(names, pool.map(_timed, names), strict=True):
             size = len(text) / 1000

@@ -161,7 +161,7 @@ def surface(
 def trajectories(layouts: Sequence[Layout], trips: Trip, title: str) -> Image:
     """The figure that `lgmd2jax arena` draws, for a column."""
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder, "ways.png")
+        path = Path(folder, "trajectories.png")
         trajectories_figure(path, layouts, trips, title)
         with Picture.open(path) as picture:
             size = 1000, round(1000 * picture.height / picture.width)

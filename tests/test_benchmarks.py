@@ -1,6 +1,7 @@
 """The benchmark: its clock, its count of kernels, and that the peers compute the network that they are compared on."""
 
 import itertools
+import pathlib
 
 import jax
 import jax.numpy as jnp
@@ -10,7 +11,7 @@ import scipy.optimize
 import xarray
 
 import lgmd2jax as lgmd
-from benchmarks import _kernels, _peers, threshold_angle, words
+from benchmarks import _kernels, _peers, paper_sentences, threshold_angle
 from benchmarks._evolution import Evolution, outside
 from benchmarks._task import FPS, PARAMETERS, VALUES, Size, film
 from benchmarks._timing import time_together
@@ -18,11 +19,19 @@ from lgmd2jax.fitting._problem import problem_of
 from lgmd2jax.hard import HardLGMD2
 
 FRAMES = film(Size(25, 31), 60)
+BENCHMARKS = sorted((pathlib.Path(__file__).parents[1] / "benchmarks").glob("[a-z]*.py"))
 
 
 def peer(module):
     found = _peers.find(module)
     return found if found else pytest.skip(f"{_peers.PACKAGES[module]} is not installed")
+
+
+@pytest.mark.parametrize("path", BENCHMARKS, ids=lambda path: path.stem)
+def test_help_says_what_a_benchmark_shows_and_how_it_is_run(path):
+    text = path.read_text(encoding="utf-8")
+    assert "ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter" in text
+    assert f"python -m benchmarks.{path.stem}" in text.split('"""')[1]
 
 
 def test_the_film_passes_every_threshold_in_both_directions():
@@ -146,9 +155,9 @@ def test_the_share_of_a_sentence_is_that_of_its_samples_within_the_band():
     pairs = [(stimuli[0], [first.on(stimuli[0])]), (stimuli[1], [first.on(stimuli[1]), second.on(stimuli[1])])]
     problem = problem_of(model, lgmd.Observation(), lgmd.Free(w_bias=None, T_sp=None), pairs, "squares")
     own = problem.free.place(model.parameters, lgmd.Observation())
-    kept = words.kept_by(
+    kept = paper_sentences.kept_by(
         problem,
-        words.sentences_of(problem, pairs),
+        paper_sentences.sentences_of(problem, pairs),
         jnp.asarray(own),
         jnp.asarray(own[None, list(problem.cell_indices)]),
     )

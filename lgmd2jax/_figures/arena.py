@@ -16,7 +16,7 @@ from lgmd2jax.arena._layout import ROBOT_RADIUS_CM, SIDE_CM
 
 
 def trajectories_figure(path: str | os.PathLike, layouts: Sequence[Layout], trips: Trip, title: str) -> None:
-    """An arena beside the other: obstacles in red, the way in blue, alarms, contacts, the start and the end.
+    """An arena beside the other: obstacles in red, the trajectory in blue, alarms, contacts, the start and the end.
 
     **Arguments:** `trips`: stacked as the layouts.
     """

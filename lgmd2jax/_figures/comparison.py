@@ -39,8 +39,15 @@ def _rows(axes: Axes, values: np.ndarray) -> None:
         axes.plot(row, places + 0.6 * (i / max(fits - 1, 1) - 0.5), mark, color=colour, markersize=4.5)
     for place in places[:-1]:
         axes.axhline(place + 0.5, color=GREY, linewidth=0.4)
-    axes.set(ylim=(len(places) - 0.5, -0.5), xscale="log")
+    axes.set(ylim=(len(places) - 0.5, -0.5), xscale=_scale(axes, values))
     axes.grid(visible=False, axis="y")
+
+
+def _scale(axes: Axes, values: np.ndarray) -> str:
+    """Logarithmic, if there is anything above 0 to show; of values that nobody knows the panel says so."""
+    if np.isnan(values).all():
+        axes.text(0.5, 0.5, "not known: no fit tells\nits targets' errors", transform=axes.transAxes, ha="center")
+    return "log" if np.any(values > 0) else "linear"
 
 
 def _left_out(axes: Axes, comparison: Comparison) -> None:
@@ -70,7 +77,8 @@ def _in_all(axes: Axes, comparison: Comparison) -> None:
         place = comparison.free[i], comparison.chi2_in_all[i]
         axes.plot(*place, mark, color=colour, markersize=7, linestyle="", label=", ".join(words))
         axes.annotate(name, place, (7, 0), textcoords="offset points", va="center", fontsize=8)
-    axes.set(title="χ² in all", xlabel="free parameters", ylabel="χ²", yscale="log")
+    scale = _scale(axes, comparison.chi2_in_all)
+    axes.set(title="χ² in all", xlabel="free parameters", ylabel="χ²", yscale=scale)
     axes.margins(y=0.1)
     axes.set_xlim(comparison.free.min() - 1, comparison.free.max() + 2)
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))

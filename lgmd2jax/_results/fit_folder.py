@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._channels import Channel
 from lgmd2jax._files.atomic import read_json
 from lgmd2jax._files.catalogue import locate
@@ -44,6 +45,7 @@ _FURTHER = ("upper", "exposure")  # columns that only some curves have
 _COLUMNS = ("target", "sem", "weight", "soft", "hard", "band", "error")
 
 
+@checked
 def save_fit(
     fit: Fit,
     folder: str | Path,
@@ -146,6 +148,7 @@ class FitFolder:
         write_posterior(folder / _POSTERIOR, self.fit.values_of(draws), units, statistics)
 
 
+@checked
 def load_fit(folder: str | Path, conditions: Sequence[AnyCondition] | None = None) -> Fit:
     """The fit of a result folder or of its fit.json, or of a shipped one by its bare name.
 
@@ -169,7 +172,10 @@ def load_validated_fit(
     content = read_json(folder / MARKER)
     if isinstance(content, dict) and content.get("format") == ALARM_FIT:
         model = folder / "model.json"
-        raise ValueError(f"{folder} holds a fit to labelled clips; take its model by lgmd2jax.load({str(model)!r})")
+        raise ValueError(
+            f"{folder} holds a fit to labelled clips, and not one to curves; its model is {model}, which "
+            f"lgmd2jax.load({str(model)!r}) reads, and --model {folder} in other commands"
+        )
     with within(f"{folder} holds no fit that can be used"):
         with within(MARKER):
             check(FIT, content)
@@ -187,7 +193,9 @@ def fit_folder(folder: str | Path) -> Path:
     **Raises:** `ValueError` for a folder that holds no fit, `FileNotFoundError` where there is none.
     """
     path = Path(folder)
-    if path.name == MARKER and path.is_file():
+    if path.is_file():
+        if path.name != MARKER:
+            raise ValueError(f"{path} is a file; give the folder of a fit, which holds a {MARKER}")
         return path.parent
     if path.is_dir():
         if not (path / MARKER).is_file():

@@ -46,7 +46,8 @@ def export_c(options: argparse.Namespace) -> None:
     needs = _check_memory(memory(model, eye.rows, eye.cols, urgency is not None), options.ram)
     conditions = load_protocol(options.protocol or "lgmd2").conditions
     clips = [open_clip(path, resize=eye.cols) for path in options.clip or ()]
-    films = list(_progress(_films(conditions, eye, clips), "stimuli", len(conditions) + len(clips)))
+    optional = options.protocol is None
+    films = list(_progress(_films(conditions, eye, clips, optional), "stimuli", len(conditions) + len(clips)))
     files = _write(folder, model, path if model is own else None, _provenance(path))
 
     size = f"{eye.rows} x {eye.cols} pixels of {eye.degrees_per_pixel:g} degrees at {eye.fps:g} fps"
@@ -100,10 +101,19 @@ def _check_memory(needs: Memory, ram: int | None) -> Memory:
     return needs
 
 
-def _films(conditions: Iterable[Condition], eye: Eye, clips: Iterable[Clip]) -> Iterator[Film]:
-    """In whole grey levels, as a camera gives them; stimuli rendered for the eye."""
+def _films(conditions: Iterable[Condition], eye: Eye, clips: Iterable[Clip], optional: bool) -> Iterator[Film]:
+    """In whole grey levels, as a camera gives them; stimuli rendered for the eye.
+
+    **Arguments:** `optional`: leave out what this eye cannot show, such as stripes finer than its pixels.
+    """
     for condition in conditions:
-        frames = np.asarray(dataclasses.replace(condition, eye=eye).render().frames)
+        try:
+            frames = np.asarray(dataclasses.replace(condition, eye=eye).render().frames)
+        except ValueError as error:
+            if not optional:
+                raise
+            tqdm.write(f"left out of the comparison: {error}")
+            continue
         yield Film(condition.name, _whole(frames), np.full(len(frames), 1000 / eye.fps))
     for clip in clips:
         recording = clip.record()

@@ -151,20 +151,25 @@ class Comparison:
 
     def _sentences(self) -> tuple[str, ...]:
         counted = f"Chi2 counts {self.samples:.4g} independent samples"
-        alike = tuple(
+        remarks = tuple(
+            f"The chi2 of {name} is not known, since results of version 0.1 lack the errors of targets; fit again."
+            for name, chi2 in zip(self.names, self.chi2_in_all, strict=True)
+            if np.isnan(chi2)
+        )
+        remarks += tuple(
             f"{one} and {other} give the same answers to all of these stimuli, so that no such data tell them apart."
             for one, other in self.alike
         )
         if self.without_criteria:
-            return (f"{counted}. No AIC and BIC: {self.without_criteria}.", *alike)
+            return (f"{counted}. No AIC and BIC: {self.without_criteria}.", *remarks)
         if self.is_counts:
             criteria = "AIC and BIC are -2 ln L + 2 p and + p log(n), with p free parameters, of the Poisson process"
-            return (f"{counted}, bins of spikes; it is the deviance. {criteria}.", *alike)
+            return (f"{counted}, bins of spikes; it is the deviance. {criteria}.", *remarks)
         return (
             f"{counted}: residuals are thinned to one for each span within which the recordings' values are "
             "correlated. AIC and BIC are n log(chi2/n) + 2 p and + p log(n), with p free parameters, so that the scale "
             "of the errors is free.",
-            *alike,
+            *remarks,
         )
 
     def summary(self) -> str:

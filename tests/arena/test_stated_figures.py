@@ -1,7 +1,7 @@
 """Whether what README.md and docs/figures.md state of the arena is still of these detectors and of this world.
 
-Where a test here fails, run `lgmd2jax arena --seeds 100 --figure fits/arena/ways.png`, write its figures into both and
-into the notebook arena, and then what the tests compare with.
+Where a test here fails, run `lgmd2jax arena --seeds 100 --figure fits/arena/trajectories.png`, write its figures into
+both and into the notebook arena, and then what the tests compare with.
 """
 
 import hashlib

@@ -40,7 +40,10 @@ def test_numbers_and_figure(tmp_path, capsys, monkeypatch):
         (["--seeds", "0"], "--seeds is 0; give how many arenas, 1 to 10000"),
         (["--seeds", "99999999999"], "--seeds is 99999999999; give how many arenas"),
         (["--seconds", "0"], "--seconds is 0; give 1 to 3600"),
-        (["--figure", "ways.txt"], "cannot tell the format of the figure ways.txt; end its name in .png, .pdf or .svg"),
+        (
+            ["--figure", "arena.txt"],
+            "cannot tell the format of the figure arena.txt; end its name in .png, .pdf or .svg",
+        ),
         (["--model", "nothing"], "no such file: nothing"),
     ],
 )

@@ -10,7 +10,7 @@ import pytest
 
 import lgmd2jax as lgmd
 from lgmd2jax import alarms
-from lgmd2jax.cli import main
+from lgmd2jax.cli import export_c, main
 from tests.c.programs import tool
 
 EYE = lgmd.Eye(rows=10, cols=14, degrees_per_pixel=5.0, fps=50.0)
@@ -87,6 +87,17 @@ def test_another_eye(export, tmp_path):
     assert json.loads((tmp_path / "robot" / "model.json").read_text())["provenance"]["recipe"] == "mine"
     assert ".A_ffi = 0.1f" in (tmp_path / "robot" / "lgmd2.c").read_text()
     assert "#define LGMD2_ROWS 20\n" in (tmp_path / "robot" / "lgmd2.h").read_text()
+
+
+def test_only_stimuli_that_were_asked_for_must_suit_the_eye(capsys):
+    """The shipped gratings have .05 and .1 cycles a degree, of which pixels of 8 degrees show the first alone."""
+    gratings = [each for each in lgmd.load_protocol("lgmd2").conditions if each.name.startswith("grating")]
+    eye = lgmd.Eye(10, 14, 8.0, 50.0)
+    shown = [film.name for film in export_c._films(gratings, eye, [], optional=True)]
+    assert shown == ["grating 0.05 cyc/deg, 4 Hz"]
+    assert "left out of the comparison: condition 'grating 0.1 cyc/deg, 4 Hz'" in capsys.readouterr().out
+    with pytest.raises(ValueError, match="spatial_frequency aliases"):
+        list(export_c._films(gratings, eye, [], optional=False))
 
 
 def test_the_urgency_goes_with_the_eye_that_it_was_calibrated_for(export, original, tmp_path):

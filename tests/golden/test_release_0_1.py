@@ -5,6 +5,7 @@ labelled clips (`alarms`) and of a sweep (`sweep`), with the recipes, protocol, 
 """
 
 import json
+import shutil
 import zipfile
 from pathlib import Path
 
@@ -51,6 +52,15 @@ def test_a_fit_loads_with_its_values_and_curves(old):
     np.testing.assert_allclose(fit.predict(loom.render()), fit.curves[1].soft, atol=1e-6)  # thresholds are soft
 
 
+def test_fits_are_compared_without_the_errors_that_they_do_not_hold(old, tmp_path, capsys):
+    shutil.copytree(old / "fit", tmp_path / "again")
+    figure = tmp_path / "both.png"
+    assert main(["compare", str(old / "fit"), str(tmp_path / "again"), "--figure", str(figure)]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert "The chi2 of fit is not known, since results of version 0.1 lack the errors of targets; fit again" in said
+    assert figure.is_file()
+
+
 def test_recipes_and_protocol_load(old):
     for name, free in (("fit.toml", ("theta2", "k")), ("alarms.toml", ("k", "T_sp"))):
         recipe = lgmd.load_recipe(old / name)
@@ -78,5 +88,5 @@ def test_a_sweep_is_read_and_not_resumed(old, capsys):
 
 
 def test_results_of_a_fit_to_clips_are_told_from_those_of_a_fit_to_curves(old):
-    with pytest.raises(ValueError, match=r"holds a fit to labelled clips; .*lgmd2jax\.load\(.*model\.json"):
+    with pytest.raises(ValueError, match=r"holds a fit to labelled clips, and .* lgmd2jax\.load\(.*model\.json"):
         lgmd.load_fit(old / "alarms")

@@ -124,9 +124,13 @@ def test_data_that_are_gone_or_have_changed_are_refused(folder, tmp_path):
     (spoilt / "data.npz").unlink()
     again = lgmd.load_fit(spoilt)
     assert again.predict(conditions()[0][0]).shape == conditions()[0][0].time.shape  # needs no data
-    with pytest.raises(ValueError, match=r"data\.npz, with the stimuli and targets of the fit, is gone; put it back, or give"):
+    with pytest.raises(
+        ValueError, match=r"data\.npz, with the stimuli and targets of the fit, is gone; put it back, or give"
+    ):
         again.score_test()
-    with pytest.raises(ValueError, match="have changed since the fit was made: target of 'looming 1', rate, is another"):
+    with pytest.raises(
+        ValueError, match="have changed since the fit was made: target of 'looming 1', rate, is another"
+    ):
         lgmd.load_fit(spoilt, conditions(noise_seed=1)).score_test()
     assert lgmd.load_fit(spoilt, conditions()).score_test()[0].name == "smoothing"
     with np.load(folder / "data.npz") as file:
@@ -150,11 +154,16 @@ def test_a_protocol_is_named_and_found_again(fit, folder, tmp_path):
     with pytest.raises(ValueError, match=r"the protocol of .*, \.\./\.\./mine\.toml, is gone"):
         lgmd.load_fit(named).score_test()
     eye = "rows = 8\ncols = 10\ndegrees_per_pixel = 8\nfps = 60"
-    files = [f"time_ms,rate\n" + "\n".join(f"{t:.9g},{v:.9g}" for t, v in zip(c.time, c.target)) for c in fit.curves]
+    files = [
+        "time_ms,rate\n" + "\n".join(f"{t:.9g},{v:.9g}" for t, v in zip(c.time, c.target, strict=True))
+        for c in fit.curves
+    ]
     tables = ""
     for number, (l_over_v, text) in enumerate(zip((20, 40), files, strict=True), start=1):
         (tmp_path / f"rate{number}.csv").write_text(text)
-        tables += f'[[condition]]\nname = "looming {number}"\nfamily = "looming"\nl_over_v = {l_over_v}\ncontrast = -0.9\n'
+        tables += (
+            f'[[condition]]\nname = "looming {number}"\nfamily = "looming"\nl_over_v = {l_over_v}\ncontrast = -0.9\n'
+        )
         tables += "start_ms = -400\nend_ms = 200\n[[condition.target]]\n"
         tables += f'file = "rate{number}.csv"\nchannel = "rate"\ncolumn = "rate"\nerror = 1\n'
     (tmp_path / "mine.toml").write_text(f"[eye]\n{eye}\n{tables}")

@@ -165,7 +165,10 @@ def curve_cells(name, text):
         ),
         (curve_cells("hard", "x"), r"curves\.csv: \[0\]\.hard = 'x': must be a number"),
         (curve_cells("channel", "smpp"), r"curves\.csv: \[0\]\.channel = 'smpp': choose 'smp'"),
-        (lambda folder: (folder / "curves.csv").write_text("a,b\n1,2\n"), r"curves\.csv: \[0\]\.a = 1.0: unknown key; did you mean"),
+        (
+            lambda folder: (folder / "curves.csv").write_text("a,b\n1,2\n"),
+            r"curves\.csv: \[0\]\.a = 1.0: unknown key; did you mean",
+        ),
         (lambda folder: (folder / "fit.json").write_text("{"), r"fit\.json is not a JSON file"),
         (lambda folder: (folder / "model.json").write_text("{}"), "not a hand-over file"),
     ],

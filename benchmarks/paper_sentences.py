@@ -1,7 +1,7 @@
-"""Which sentences of the paper can its own circuit keep together, within Table I? A two-level search over hard models.
+"""Which sentences of the paper its own circuit keeps together within Table I: a search over hard models.
 
-python -m benchmarks.words                 256 random pixel stages, 256 near the best of them, 256 cells for each
-python -m benchmarks.words --points 1024   more of the random ones
+python -m benchmarks.paper_sentences                 256 random pixel stages, 256 near the best, 256 cells for each
+python -m benchmarks.paper_sentences --points 1024   more of the random ones
 
 A sentence is kept where at least 90 % of its samples lie within its bands (stimuli/table1.toml). For each set of the
 pixels' parameters all stimuli are shown once; the cell's are searched on the stored MP(t) and F(t). The first model is
@@ -28,7 +28,7 @@ _NEAR = 0.08  # of the range: steps from a best model
 
 
 class Sentences(eqx.Module):
-    """The words, and for each slot of the problem the weight of a sample in the share of each sentence."""
+    """The quoted sentences, and for each slot of the problem the weight of a sample in the share of each sentence."""
 
     quotes: tuple[str, ...] = eqx.field(static=True)
     weights: list[Float[Array, "sentence condition time"]]
@@ -134,9 +134,8 @@ def _report(search: Search) -> None:
     share, farthest, is_kept, best = search.share, search.farthest, search.is_kept, search.best()
     quotes = search.sentences.quotes
     print(f"{len(share)} models; the most that one keeps: {is_kept.sum(axis=1).max()} of {len(quotes)} sentences")
-    print(
-        "within: most | Table I | best model || models that keep it || farthest: least | Table I | best model || words"
-    )
+    columns = "most | Table I | best model"
+    print(f"within: {columns} || models that keep it || farthest: least{columns.removeprefix('most')} || sentence")
     for i, quote in enumerate(quotes):
         within = " | ".join(f"{part:7.1%}" for part in (share[:, i].max(), share[0, i], share[best, i]))
         outside = " | ".join(f"{part:6.3f}" for part in (farthest[:, i].min(), farthest[0, i], farthest[best, i]))
