@@ -1,9 +1,8 @@
 """Renderers as pure functions of array parameters: jit, vmap, derivatives."""
 
+import dataclasses
 import functools
 from typing import Any
-
-import dataclasses
 
 import jax
 import jax.numpy as jnp
