@@ -27,7 +27,7 @@ av = pytest.importorskip("av", reason="reading video needs the extra 'video'")
 
 SVG = "{http://www.w3.org/2000/svg}"
 # Frame by frame and over a whole clip are two programs, which may add the pixels of float32 in another order.
-ROUNDING = 4 * np.finfo(np.float32).eps
+ROUNDING = 4 * float(np.finfo(np.float32).eps)
 COLUMNS = ["frame", "time_ms", "mp", "ffi", "smp", "smp_adapted", "spikes", "collision"]
 
 
