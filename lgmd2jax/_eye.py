@@ -2,20 +2,21 @@
 
 import dataclasses
 import math
-import warnings
 from typing import Literal
 
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, ScalarLike
 
-from lgmd2jax._words import nearest
+from lgmd2jax._arguments.checked import checked
+from lgmd2jax._words import nearest, warn
 
 PROJECTIONS = ("equidistant", "pinhole")
 PRESETS = ("paper", "colias", "locust")
 _EDGE = 89.0  # degrees; what is seen further from the axis lies outside of every flat image
 
 
+@checked
 @dataclasses.dataclass(frozen=True)
 class Eye:
     """The sampling that a stimulus is rendered for and that a parameter set belongs to.
@@ -60,12 +61,10 @@ class Eye:
         if self.projection not in PROJECTIONS:
             raise ValueError(f"projection is {self.projection!r}; choose {nearest(self.projection, PROJECTIONS)}")
         if self.fps < 1:
-            warnings.warn(
-                f"fps is {self.fps:.4g}; were {1 / self.fps:.4g} frames per second meant, given as an interval in s?",
-                stacklevel=3,
-            )
+            warn(f"fps is {self.fps:.4g}; were {1 / self.fps:.4g} frames per second meant, given as an interval in s?")
 
     @classmethod
+    @checked
     def from_field_of_view(
         cls,
         rows: int,
@@ -88,6 +87,7 @@ class Eye:
         return cls(rows, cols, math.degrees(2 * math.atan(0.5 / focal)), fps, projection)
 
     @classmethod
+    @checked
     def preset(cls, name: str) -> "Eye":
         """One of the eyes that the literature uses; `dataclasses.replace(eye, fps=200.0)` changes a field.
 
@@ -134,6 +134,7 @@ class Eye:
         """
         return self.rows * self.cols * self._degrees_per_pixel**2
 
+    @checked
     def project(self, degrees: ScalarLike | Float[Array, " time"]) -> Array:
         """Distance from the image's centre, in pixels, of what is seen `degrees` off the axis.
 

@@ -2,9 +2,13 @@
 
 import contextlib
 import difflib
+import sys
 import warnings
 from collections.abc import Iterable, Iterator
 from opcode import opname
+
+# Packages whose frames lie between a user's line and ours.
+_WITHIN = ("lgmd2jax", "beartype", "contextlib", "dataclasses", "equinox", "functools", "jax", "jaxtyping")
 
 
 class Remark(UserWarning):
@@ -22,14 +26,22 @@ def nearest(name: str, known: Iterable[str], count: int | None = None) -> str:
     return f"{', '.join(others)} or {last}" if others else last
 
 
+def warn(text: str, kind: type[Warning] = UserWarning) -> None:
+    """Warn, with the place outside of the library that led here, however many calls lie between."""
+    frame, level = sys._getframe(1), 2
+    while frame is not None and frame.f_globals.get("__name__", "").partition(".")[0] in _WITHIN:
+        frame, level = frame.f_back, level + 1
+    warnings.warn(text, kind, stacklevel=level)
+
+
 def warn_renamed(old: str, new: str) -> None:
     """Warn the caller of the function that calls this one that an old name is used."""
-    warnings.warn(f"{old} is now {new}; the old name will be removed", DeprecationWarning, stacklevel=3)
+    warn(f"{old} is now {new}; the old name will be removed", DeprecationWarning)
 
 
-def warn_unfinished(sentence: str, stacklevel: int) -> None:
-    """Warn that results are not whole yet, and say how to go on. `stacklevel`: as of `warnings.warn`, from here."""
-    warnings.warn(f"{sentence}; lgmd2jax fit ... --resume continues it", UnfinishedWarning, stacklevel=stacklevel)
+def warn_unfinished(sentence: str) -> None:
+    """Warn that results are not whole yet, and say how to go on."""
+    warn(f"{sentence}; lgmd2jax fit ... --resume continues it", UnfinishedWarning)
 
 
 def is_refusal(error: BaseException) -> bool:

@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import jaxtyping
+import numpy as np
 import pytest
 
 import lgmd2jax as lgmd
@@ -73,5 +74,5 @@ def test_a_name_that_is_none_is_an_attribute_error():
 
 def test_the_typing_checks_of_this_suite_reach_what_is_loaded_late():
     """The hook of conftest.py decorates a module when it is loaded, which a lazy name does late."""
-    with pytest.raises(jaxtyping.TypeCheckError, match="rows"):
-        lgmd.Eye(rows="many", cols=8, degrees_per_pixel=4.0, fps=30.0)  # pyright: ignore[reportArgumentType]
+    with pytest.raises(jaxtyping.TypeCheckError, match="free"):
+        lgmd.Free(k=None).slopes(np.zeros((2, 2)))

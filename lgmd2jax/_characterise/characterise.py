@@ -4,8 +4,8 @@ import dataclasses
 from collections.abc import Mapping
 
 import numpy as np
-from jaxtyping import Array, Key
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._characterise.curves import curves_of
 from lgmd2jax._characterise.exam import Exam, ExamSums, exam_of, sums_of
 from lgmd2jax._characterise.measurements import Measurements, measure, result_of
@@ -13,19 +13,18 @@ from lgmd2jax._characterise.result import Characterisation, JudgedAs
 from lgmd2jax._characterise.selectivity import Estimate, intervals
 from lgmd2jax._compute.traced_once import traced_once
 from lgmd2jax._eye import Eye
-from lgmd2jax._network.abstract import AbstractNetwork, check_network
+from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.parameters import symbols
 from lgmd2jax._network.variants import ablate
-from lgmd2jax._types import check_key
+from lgmd2jax._types import Key, check_key
 from lgmd2jax.fitting import Fit
 
 _SLOWEST, _COARSEST, _NARROWEST = 10.0, 10.0, 40.0  # fps, degrees a pixel, degrees of field
 _FINE = 1.0  # degrees a pixel
 
 
-def characterise(
-    model: AbstractNetwork | Fit, *, key: Key[Array, ""] | None = None, progress: bool = False
-) -> Characterisation:
+@checked
+def characterise(model: AbstractNetwork | Fit, *, key: Key | None = None, progress: bool = False) -> Characterisation:
     """The 22 response properties of a looming-sensitive neuron, measured on a model with its own eye.
 
     The stimuli are rendered once for an eye and kept; another model of the same structure and eye compiles nothing.
@@ -57,6 +56,7 @@ def characterise(
     return dataclasses.replace(result, selectivity=estimates)
 
 
+@checked
 def ablations(model: AbstractNetwork, *mechanisms: str, progress: bool = False) -> dict[str, Characterisation]:
     """The properties of the model as it is and without one mechanism each, evaluated as the whole is.
 
@@ -71,6 +71,7 @@ def ablations(model: AbstractNetwork, *mechanisms: str, progress: bool = False) 
     return {name: _result(variant, exam, neuron, progress) for name, variant in variants.items()}
 
 
+@checked
 def rasters(
     model: AbstractNetwork, *, seeds: int = 0, finer: bool = True, progress: bool = False
 ) -> dict[str, Characterisation]:
@@ -134,7 +135,6 @@ def _neuron(model: AbstractNetwork) -> JudgedAs:
 
 
 def _usable(model: AbstractNetwork) -> Eye:
-    check_network(model)
     eye = model.eye
     if eye is None:
         raise ValueError(

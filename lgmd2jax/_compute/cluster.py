@@ -17,9 +17,17 @@ _DECIDING = ("jax", "jaxlib", "equinox", "optimistix", "lineax", "numpy")
 
 def need(*packages: str, extra: str) -> None:
     """Raise `ValueError` that names the extra where a package is not installed."""
-    missing = [name for name in packages if importlib.util.find_spec(name) is None]
+    missing = [name for name in packages if not is_installed(name)]
     if missing:
         raise ValueError(f"this needs {' and '.join(missing)}: pip install 'lgmd2jax[{extra}]'")
+
+
+def is_installed(package: str) -> bool:
+    """Whether a package can be imported. It is not imported for that."""
+    try:
+        return importlib.util.find_spec(package) is not None
+    except ValueError:  # another thread is importing it just now
+        return True
 
 
 def checked_client(client: Any) -> "Client":

@@ -70,6 +70,17 @@ def all_replaced(
         yield {path: stack.enter_context(replaced(path)) for path in wanted}
 
 
+def check_file(path: Path) -> None:
+    """Raise `IsADirectoryError` for a folder, and `ValueError` for a named pipe, whose reader may wait for ever.
+
+    What a shell makes of `<(...)` is none with a name of its own.
+    """
+    if path.is_dir():
+        raise IsADirectoryError(f"{path} is a folder; give a file")
+    if path.is_fifo() and path.parent != Path("/dev/fd"):
+        raise ValueError(f"{path} is a pipe; write what comes from it into a file, and give that")
+
+
 def write_json(path: Path, content: Any) -> None:
     """Write plain data as JSON, which knows no NaN."""
     path.write_text(json.dumps(content, indent=1, allow_nan=False) + "\n", encoding="utf-8")
@@ -91,8 +102,7 @@ def read_json(path: Path) -> Any:
 
     **Raises:** `ValueError` that names the file, for what is not JSON; `OSError` where it cannot be read.
     """
-    if path.is_dir():
-        raise IsADirectoryError(f"{path} is a folder; give a file")
+    check_file(path)
     try:
         return json.loads(path.read_text(encoding="utf-8"))
     except (ValueError, RecursionError) as error:

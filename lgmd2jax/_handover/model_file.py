@@ -13,11 +13,12 @@ from typing import Any
 import numpy as np
 
 from lgmd2jax import hard
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._eye import Eye
 from lgmd2jax._files.atomic import read_json, replaced
 from lgmd2jax._handover.response_vector import response_vector
 from lgmd2jax._handover.test_vector import make_test_vector
-from lgmd2jax._network.abstract import AbstractNetwork, check_network, parameters_of
+from lgmd2jax._network.abstract import AbstractNetwork, parameters_of
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._network.networks import NETWORKS
 from lgmd2jax._network.parameter_set import declared
@@ -30,6 +31,7 @@ from lgmd2jax._words import nearest, within
 Plain = str | int | float | bool
 
 
+@checked
 def save(model: AbstractNetwork, path: str | os.PathLike, provenance: Mapping[str, Plain] | None = None) -> None:
     """Write the hand-over file: the parameters, for hard thresholds, with structure, eye, version and a test vector.
 
@@ -54,7 +56,6 @@ def document(model: AbstractNetwork, provenance: Mapping[str, Plain] | None = No
 
     **Raises:** `ValueError` as `save`.
     """
-    check_network(model)
     model = dataclasses.replace(model, thresholds=Hard())
     parameters, mechanisms = _values(model)
     eye = None if model.eye is None else dataclasses.asdict(model.eye)
@@ -107,6 +108,7 @@ def calibration_of(path: str | os.PathLike) -> Mapping[str, Any]:
     return content.get("calibration", {})
 
 
+@checked
 def load(path: str | os.PathLike, network: type[AbstractNetwork] | None = None) -> Any:
     """The model of a hand-over file, with hard thresholds, once its test vector has come out.
 

@@ -27,7 +27,7 @@ def model_named(name: str) -> AbstractNetwork:
     if path is not None:
         model = load(path)
         if (part := read_json(path)["provenance"].get("unfinished")) is not None:
-            warn_unfinished(f"{path} is of an unfinished fit: {part} was stopped", stacklevel=3)
+            warn_unfinished(f"{path} is of an unfinished fit: {part} was stopped")
         return model
     name = name.removeprefix(_PRESET)
     if name not in (known := (*PRESETS, _YUE_RIND)):

@@ -1,7 +1,6 @@
 """The test vector of a network that only JAX runs: a short clip and the response to it."""
 
 import dataclasses
-import warnings
 from typing import Any
 
 import equinox as eqx
@@ -14,6 +13,7 @@ from lgmd2jax._compute.traced_once import traced_once
 from lgmd2jax._handover.test_vector import FPS_WITHOUT_EYE, FRAMES, TOLERANCE, random_clip
 from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.parameter_set import declared
+from lgmd2jax._words import warn
 
 _CLIPS = 32
 _NEAR, _FAR = 3e-5, 0.25  # by which share a parameter is moved
@@ -44,10 +44,9 @@ def response_vector(model: AbstractNetwork, fps: float | None) -> dict[str, Any]
     if candidates:
         _, frames, response = max(candidates, key=lambda candidate: candidate[0])
     else:
-        warnings.warn(
+        warn(
             f"none of {_CLIPS} test clips stays clear of the thresholds of this {type(model).__name__}; its file has a "
-            "still clip as its test vector, which checks little",
-            stacklevel=4,
+            "still clip as its test vector, which checks little"
         )
         frames = np.repeat(random_clip(generator)[:1], FRAMES, axis=0)
         response = np.stack(_responses(model, model.parameters, frames, fps))

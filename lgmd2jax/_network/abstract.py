@@ -5,7 +5,6 @@ import dataclasses
 import functools
 import math
 import typing
-import warnings
 from collections.abc import Mapping
 from typing import Any, Literal, TypeVar
 
@@ -15,6 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Real
 
+from lgmd2jax._arguments.checked import checked_names
 from lgmd2jax._channels import RESPONSE, Description
 from lgmd2jax._compute.traced_once import traced_once
 from lgmd2jax._eye import Eye
@@ -23,6 +23,7 @@ from lgmd2jax._network.stages import AbstractCell, AbstractPixels, Interval, Lev
 from lgmd2jax._network.structure import structure_fields
 from lgmd2jax._network.thresholds import Thresholds
 from lgmd2jax._types import Number, cast, is_concrete, unless_nan
+from lgmd2jax._words import warn
 from lgmd2jax.hard import BRIGHTEST, SECONDS
 
 Neuron = Literal["LGMD2", "LGMD1"]
@@ -142,6 +143,7 @@ class AbstractNetwork(eqx.Module):
         fields = ", ".join([thresholds, *(f"{name}={getattr(self, name)!r}" for name in others)])
         return f"{type(self).__name__}({fields},\n{self.parameters})"
 
+    @checked_names
     def __call__(
         self,
         frames: Real[Array | np.ndarray, "time row col"],
@@ -172,12 +174,14 @@ class AbstractNetwork(eqx.Module):
             raise ValueError(f"frames holds {count}; the network sees changes, so give at least 2")
         if is_concrete(frames):
             _warn_of_levels(np.asarray(frames))
+        _check_record(record)
         lasts = self._interval(fps, interval, (len(frames),))
         check_domains(self.parameters)
         self._check_conflicts()
         response = _respond(self, frames, lasts, record)
         return self._checked(response, lasts, check)
 
+    @checked_names
     def init(self, frame: Real[Array | np.ndarray, "row col"]) -> State:
         """The state before the first frame: at rest, with `frame` as what was seen before, L(-1).
 
@@ -192,6 +196,7 @@ class AbstractNetwork(eqx.Module):
         frame = frame.astype(self._dtype_for(frame))
         return State(_in(self.pixels, frame.dtype).rest(frame), self._cell_for(frame).rest(), (rows, cols))
 
+    @checked_names
     def step(
         self,
         state: State,
@@ -219,6 +224,7 @@ class AbstractNetwork(eqx.Module):
             raise ValueError(f"state is {state!r:.40}; give the one that init or the last step returned")
         if frame.shape != state.shape:
             raise ValueError(f"frame has shape {frame.shape}, the state {state.shape}; start again with init(frame)")
+        _check_record(record)
         lasts = self._interval(fps, interval, ())
         state, response = _advance(self, state, frame, lasts, record)
         return state, self._checked(response, lasts, check)
@@ -255,7 +261,7 @@ class AbstractNetwork(eqx.Module):
                 raise ValueError("fps and interval are both given; give the one that is known")
             interval = _positive(interval, "interval", "ms", shape)
             if is_concrete(interval) and SECONDS[0] < (usual := float(np.median(interval))) < SECONDS[1]:
-                warnings.warn(f"interval is {usual:.4g} ms; was {1000 * usual:.4g} ms meant, given in s?", stacklevel=3)
+                warn(f"interval is {usual:.4g} ms; was {1000 * usual:.4g} ms meant, given in s?")
             return interval
         if fps is None:
             if self.eye is None:
@@ -263,9 +269,9 @@ class AbstractNetwork(eqx.Module):
             fps = self.eye.fps
         interval = 1000 / _positive(fps, "fps", "frames per second", ())
         if is_concrete(fps) and fps < 1:
-            warnings.warn(f"fps is {fps:.4g}; were {1 / fps:.4g} meant, given as an interval in s?", stacklevel=3)
+            warn(f"fps is {fps:.4g}; were {1 / fps:.4g} meant, given as an interval in s?")
         if self.eye is not None and is_concrete(fps) and abs(fps / self.eye.fps - 1) > 0.01:
-            warnings.warn(f"the parameters belong to {self.eye.fps:g} frames per second, not {fps:g}", stacklevel=3)
+            warn(f"the parameters belong to {self.eye.fps:g} frames per second, not {fps:g}")
         return interval
 
     def _check_conflicts(self) -> None:
@@ -326,12 +332,6 @@ def _advance(network: AbstractNetwork, state: State, frame, interval, record) ->
     return State(pixel_state, cell_state, state.shape), response
 
 
-def check_network(model: object, kind: type[AbstractNetwork] = AbstractNetwork) -> None:
-    """Raise `ValueError` for what is no network of this kind, such as its class."""
-    if not isinstance(model, kind):
-        raise ValueError(f"model is {model!r:.60}; give a model, such as lgmd2jax.LGMD2()")
-
-
 def _form(tree) -> tuple[Any, list[tuple[int, ...]]]:
     return jax.tree.structure(tree), [leaf.shape for leaf in jax.tree.leaves(tree)]
 
@@ -375,18 +375,19 @@ def _as_pixels(frames, name: str, shape: str, rank: int) -> Array:
     return frames
 
 
+def _check_record(record: object) -> None:
+    if not (record is None or callable(record)):
+        raise ValueError(f"record is {record!r:.60}; give a function of the layers, such as lambda layers: layers.s")
+
+
 def _warn_of_levels(frames: np.ndarray) -> None:
     """Warn of frames that are hardly meant in grey levels 0..255."""
     lowest, highest = frames.min(), frames.max()
     if -1 <= lowest < highest <= 1:
         span = "0..1" if lowest >= 0 else "-1..1"
-        warnings.warn(
-            f"frames lie in {span}; were grey levels in 0..255 meant? Give black as 0 and white as 255", stacklevel=3
-        )
+        warn(f"frames lie in {span}; were grey levels in 0..255 meant? Give black as 0 and white as 255")
     elif BRIGHTEST < highest < np.inf:
-        warnings.warn(
-            f"frames reach {highest:g}; grey levels lie in 0..255: multiply by 255 over what is white", stacklevel=3
-        )
+        warn(f"frames reach {highest:g}; grey levels lie in 0..255: multiply by 255 over what is white")
 
 
 def _positive(value, name: str, unit: str, shape: tuple[int, ...]) -> Array:

@@ -6,6 +6,7 @@ from typing import Any
 
 import equinox as eqx
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._channels import RESPONSE, Description
 from lgmd2jax._eye import Eye
 from lgmd2jax._network.abstract import AbstractNetwork, Neuron
@@ -34,6 +35,7 @@ ABLATIONS: Mapping[str, Mapping[str, float]] = {
 }
 
 
+@checked
 class LGMD2(AbstractNetwork):
     """The collision-selective network of Fu, Hu & Yue, differentiable and streaming.
 

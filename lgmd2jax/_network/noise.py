@@ -2,11 +2,13 @@
 
 import numpy as np
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._network.abstract import AbstractNetwork
 
 _SECONDS, _PIXELS, _MEAN = 5.0, (24, 32), 128.0  # longer than a changed pixel counts; grey levels
 
 
+@checked
 def inhibition_in_noise(model: AbstractNetwork, noise: float | int = 2.0, fps: float | int | None = None) -> float:
     """The inhibition that a camera's noise alone brings about, as a share of the one that inhibits the cell.
 

@@ -1,7 +1,6 @@
 """What a parameter declares of itself, and sets of such parameters."""
 
 import dataclasses
-import warnings
 from collections.abc import Callable
 from typing import Literal
 
@@ -11,7 +10,9 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._types import is_concrete
+from lgmd2jax._words import warn
 
 Stage = Literal["pixels", "cell", "observation"]
 Rule = Literal["as it is", "change", "share", "persistence", "count"]
@@ -89,6 +90,7 @@ def scalar(value) -> Array:
     return jnp.asarray(value, dtype=jax.dtypes.canonicalize_dtype(value.dtype))
 
 
+@checked
 def declares(
     meaning: str,
     unit: str,
@@ -134,7 +136,7 @@ class ParameterSet(eqx.Module):
             value = getattr(self, name)
             # Still less is meant to be no delay at all.
             if symbol.unit == "ms" and is_concrete(value) and 1e-3 <= (ms := float(value)) < 1:
-                warnings.warn(f"{name} is {ms:.4g} ms; was {1000 * ms:.4g} ms meant, given in seconds?", stacklevel=5)
+                warn(f"{name} is {ms:.4g} ms; was {1000 * ms:.4g} ms meant, given in seconds?")
 
     def __repr__(self):
         rows, width = [], max(map(len, declared(type(self))))

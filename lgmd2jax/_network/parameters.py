@@ -6,6 +6,7 @@ from collections.abc import Mapping
 import equinox as eqx
 from jaxtyping import Array, Float
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._network.parameter_set import ParameterSet, Symbol, declared, declares, scalar
 from lgmd2jax._words import nearest
 
@@ -17,6 +18,7 @@ _MEMBRANE = "leaky membrane" + _OURS
 _declares = functools.partial(declares, source="Fu, Hu & Yue, Table I")
 
 
+@checked
 class Parameters(ParameterSet):
     """The network's parameters by the paper's symbols: one floating scalar each, so the whole is a pytree of leaves.
 
@@ -237,6 +239,7 @@ class Parameters(ParameterSet):
     )
 
 
+@checked
 def symbols(kind: type[ParameterSet] = Parameters) -> dict[str, Symbol]:
     """What is known of each parameter, by name, in the order of the fields: of the LGMD2, or of another network's."""
     return declared(kind)
@@ -249,6 +252,7 @@ PRESETS: Mapping[str, Mapping[str, float]] = {
 }
 
 
+@checked
 def preset(name: str, **changes: float | int) -> Parameters:
     """One of the parameter sets that the paper names, with single parameters changed.
 

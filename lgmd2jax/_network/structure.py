@@ -6,6 +6,7 @@ from typing import Any
 
 import equinox as eqx
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._words import nearest
 
 _MOST = 10_000  # of what counts; more would only fill the memory
@@ -38,12 +39,14 @@ class Structure:
             raise ValueError(f"{name} is {value!r}; give a whole number of {self.unit}, {self.least} to {_MOST}")
 
 
+@checked
 def counts(default: int, unit: str, least: int, at_interval: Callable[[int, float], int] | None = None):
     """A structural field that counts, such as frames of a window."""
     declared = Structure(unit, least) if at_interval is None else Structure(unit, least, at_interval=at_interval)
     return eqx.field(default=default, static=True, metadata={"structure": declared})
 
 
+@checked
 def one_of(default: str, choices: tuple[str, ...]):
     """A structural field that is one of a few names."""
     return eqx.field(default=default, static=True, metadata={"structure": Structure("", choices=choices)})

@@ -11,10 +11,12 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._network.parameter_set import scalar
 from lgmd2jax._types import Map, Scalar, is_concrete, unless_nan
 
 
+@checked
 class Widths(eqx.Module):
     """Widths of the soft thresholds at temperature 1.
 
@@ -90,6 +92,7 @@ class Hard(Thresholds):
         return unless_nan(count, (count >= N_sp).astype(count.dtype))
 
 
+@checked
 class Soft(Thresholds):
     """Every threshold a logistic step whose width is one number, the temperature, times `widths`.
 
@@ -135,6 +138,7 @@ class Soft(Thresholds):
         return jax.nn.sigmoid(distance / jnp.maximum(width, 1e-12))
 
 
+@checked
 class StraightThrough(Thresholds):
     """Each threshold has the value of `Hard` and the slope of `Soft` at this temperature.
 

@@ -4,12 +4,14 @@ import dataclasses
 
 import jax.numpy as jnp
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._eye import Eye
-from lgmd2jax._network.abstract import AnyNetwork, check_network
+from lgmd2jax._network.abstract import AnyNetwork
 from lgmd2jax._network.parameter_set import declared
 from lgmd2jax._words import nearest
 
 
+@checked
 def ablate(model: AnyNetwork, *mechanisms: str) -> AnyNetwork:
     """The model without the named mechanisms, as a pharmacologist would take them out.
 
@@ -23,7 +25,6 @@ def ablate(model: AnyNetwork, *mechanisms: str) -> AnyNetwork:
     **Raises:** `ValueError` for another name, and for what the model does not have: a `YueRindLGMD1` has
     FFI and lateral inhibition alone.
     """
-    check_network(model)
     for mechanism in mechanisms:
         if mechanism not in tuple(model.ablations):
             raise ValueError(f"mechanism is {mechanism!r}; choose {nearest(mechanism, model.ablations)}")
@@ -40,6 +41,7 @@ def ablate(model: AnyNetwork, *mechanisms: str) -> AnyNetwork:
     return model
 
 
+@checked
 def at_frame_rate(model: AnyNetwork, fps: float | int) -> AnyNetwork:
     """The model for another frame rate, on an eye of that rate: what counts per frame is scaled.
 
@@ -53,13 +55,13 @@ def at_frame_rate(model: AnyNetwork, fps: float | int) -> AnyNetwork:
 
     **Raises:** `ValueError` for a model without an eye, whose own rate is not known, and for a rate that is none.
     """
-    check_network(model)
     if model.eye is None:
         raise ValueError("the model has no eye, so its own frame rate is not known; give it one: LGMD2(..., eye=Eye())")
     eye = dataclasses.replace(model.eye, fps=fps)
     return dataclasses.replace(model.at_interval(model.eye.fps / fps), eye=eye)
 
 
+@checked
 def at_eye(model: AnyNetwork, eye: Eye) -> AnyNetwork:
     """The model for another eye: at its frame rate, and in its field of view.
 
@@ -70,9 +72,6 @@ def at_eye(model: AnyNetwork, eye: Eye) -> AnyNetwork:
 
     **Raises:** `ValueError` for a model without an eye, and where one of the two fields is not known in degrees.
     """
-    check_network(model)
-    if not isinstance(eye, Eye):
-        raise ValueError(f"eye is {eye!r:.60}; give an Eye")
     if model.eye is None:
         raise ValueError("the model has no eye, so its field of view is not known; give it one: LGMD2(..., eye=Eye())")
     for name, own in (("the model's eye", model.eye), ("eye", eye)):

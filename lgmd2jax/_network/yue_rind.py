@@ -7,6 +7,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._eye import Eye
 from lgmd2jax._network import medulla, retina
 from lgmd2jax._network.abstract import AbstractNetwork
@@ -22,6 +23,7 @@ _SOURCE = "Yue & Rind 2006, the value that public codes agree on; bounds are thi
 _PRIOR = "1 in Yue & Rind 2006, who have no such factor; bounds as of the LGMD2"
 
 
+@checked
 class YueRindParameters(ParameterSet):
     """The parameters of `YueRindLGMD1`: the paper's symbols for what the LGMD2 has too, Yue & Rind's for the rest.
 
@@ -220,6 +222,7 @@ class YueRindCell(AbstractCell):
         return YueRindCellState(threshold, window[1:]), Response(*sums, kappa, kappa, spikes, collision)
 
 
+@checked
 class YueRindLGMD1(AbstractNetwork):
     """The LGMD1 network of Yue & Rind 2006, to be asked whatever an `LGMD2` is asked.
 

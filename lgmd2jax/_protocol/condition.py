@@ -6,6 +6,7 @@ from typing import Any
 
 import jax
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._eye import Eye
 from lgmd2jax._targets.target import AnyTarget
 from lgmd2jax._words import nearest, within
@@ -13,6 +14,7 @@ from lgmd2jax.stimuli import FAMILIES, Stimulus, camera
 from lgmd2jax.stimuli._keywords import check_keywords
 
 
+@checked
 @dataclasses.dataclass(frozen=True)
 class Condition:
     """One stimulus of a protocol.
@@ -55,6 +57,7 @@ class Condition:
         return dataclasses.replace(stimulus, name=self.name)
 
 
+@checked
 @dataclasses.dataclass(frozen=True)
 class Protocol:
     """The conditions of an experiment, in the order of their file, grids expanded."""

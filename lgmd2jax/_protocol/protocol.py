@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._eye import Eye
 from lgmd2jax._files.catalogue import read_named
 from lgmd2jax._protocol.arguments import arguments
@@ -21,6 +22,7 @@ from lgmd2jax.stimuli._keywords import check_keywords, keywords
 _CONDITION_KEYS = ("name", "family", "eye", "camera", "target")
 
 
+@checked
 def load_protocol(source: str | Path) -> Protocol:
     """Read a protocol from a TOML file.
 

@@ -11,6 +11,7 @@ from typing import Any, Literal
 import jax
 import numpy as np
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._characterise import characterise
 from lgmd2jax._compute.finished_work import Memory, MemoryPart
 from lgmd2jax._files.catalogue import beside, locate
@@ -72,6 +73,7 @@ class Recipe:
         """Of the search's random points."""
         return self.solver.get("seed", 0)
 
+    @checked
     def run(self, progress: bool = False, memory=None, pairs=None) -> Fit:
         """Make the fit, by default to all conditions."""
         settings = {name: value for name, value in self.solver.items() if name != "seed"}
@@ -102,6 +104,7 @@ class Recipe:
             for animal, conditions in self.animals.items()
         }
 
+    @checked
     def predict_each(self, progress: bool = False) -> dict[str, float]:
         """R2 of each condition by a fit to the others, or to those of other families.
 
@@ -159,6 +162,7 @@ class Recipe:
             raise KeyboardInterrupt
         return fit.predict
 
+    @checked
     def with_mechanisms(self, *mechanisms: str) -> "Recipe":
         """The same fit of another circuit.
 

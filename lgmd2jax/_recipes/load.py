@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._files.catalogue import read_named
 from lgmd2jax._recipes.fit import Recipe, fit_recipe
 from lgmd2jax._recipes.sweep import SweepRecipe, sweep_recipe
@@ -21,6 +22,7 @@ _KINDS: Mapping[str, Callable[[Path, dict[str, Any]], AnyRecipe]] = {
 }
 
 
+@checked
 def load_recipe(source: str | Path) -> AnyRecipe:
     """Read a recipe from a TOML file, or a shipped one by its bare name, such as `"dcmd"`.
 

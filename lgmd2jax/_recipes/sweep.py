@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._eye import Eye
 from lgmd2jax._handover.named import model_named
 from lgmd2jax._network.abstract import AbstractNetwork
@@ -44,6 +45,7 @@ class SweepRecipe:
     value: str | None
     index: str | None
 
+    @checked
     def run(
         self, progress: bool = False, store: str | os.PathLike | None = None, client: "Client | None" = None
     ) -> "xarray.Dataset":

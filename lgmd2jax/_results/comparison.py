@@ -11,6 +11,7 @@ from typing import Any
 from tqdm import tqdm
 from typing_extensions import TypeAliasType
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._characterise import characterise
 from lgmd2jax._files import atomic
 from lgmd2jax._results.fit_folder import fit_folder, load_validated_fit
@@ -21,6 +22,7 @@ from lgmd2jax.fitting._comparison import Estimate, Held, compared
 AnyFit = TypeAliasType("AnyFit", Fit | str | Path)
 
 
+@checked
 def compare(
     fits: Sequence[AnyFit] | Mapping[str, AnyFit], *, properties: bool = False, progress: bool = False
 ) -> Comparison:

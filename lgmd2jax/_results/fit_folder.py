@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._channels import Channel
 from lgmd2jax._files.atomic import read_json
 from lgmd2jax._files.catalogue import locate
@@ -45,6 +46,7 @@ _FURTHER = ("upper", "exposure")  # columns that only some curves have
 _COLUMNS = ("target", "sem", "weight", "soft", "hard", "band", "error")
 
 
+@checked
 def save_fit(
     fit: Fit,
     folder: str | Path,
@@ -147,6 +149,7 @@ class FitFolder:
         write_posterior(folder / _POSTERIOR, self.fit.values_of(draws), units, statistics)
 
 
+@checked
 def load_fit(
     folder: str | Path,
     conditions: Sequence[AnyCondition] | None = None,
@@ -199,7 +202,9 @@ def fit_folder(folder: str | Path) -> Path:
     **Raises:** `ValueError` for a folder that holds no fit, `FileNotFoundError` where there is none.
     """
     path = Path(folder)
-    if path.name == MARKER and path.is_file():
+    if path.is_file():
+        if path.name != MARKER:
+            raise ValueError(f"{path} is a file; give the folder of a fit, which holds a {MARKER}")
         return path.parent
     if path.is_dir():
         if not (path / MARKER).is_file():

@@ -80,4 +80,4 @@ def is_finished(folder: Path) -> bool:
 def warn_if_unfinished(folder: Path, parts: Sequence[str]) -> None:
     """Say that results are not whole yet. `parts`: what is still to come."""
     if parts:
-        warn_unfinished(f"{folder} is unfinished: {', '.join(parts)}", stacklevel=4)
+        warn_unfinished(f"{folder} is unfinished: {', '.join(parts)}")

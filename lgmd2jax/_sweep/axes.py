@@ -14,7 +14,7 @@ from jaxtyping import Array
 from typing_extensions import TypeAliasType
 
 from lgmd2jax._eye import Eye
-from lgmd2jax._network.abstract import AbstractNetwork, check_network
+from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.parameters import symbols
 from lgmd2jax._targets.units import has_unit
 from lgmd2jax._types import is_concrete
@@ -143,14 +143,11 @@ def _stack(models: Models) -> tuple[AbstractNetwork, list[Axis]]:
         if len(sizes) > 1 or any(leaf.ndim != 1 for leaf in jax.tree.leaves(models)):
             raise ValueError("model has leaves of several shapes; build a stack under jax.vmap, or give a list")
         return models, [Axis("model", "model", np.arange(sizes.pop()))]
-    if not isinstance(models, Mapping | Sequence):
-        check_network(models)
     names = np.array(list(models), dtype=object) if isinstance(models, Mapping) else np.arange(len(models))
     stack = list(models.values() if isinstance(models, Mapping) else models)
     if not stack:
         raise ValueError("model is an empty collection; give at least one network")
     for name, model in zip(names, stack, strict=True):
-        check_network(model)
         if jax.tree.structure(model) != jax.tree.structure(stack[0]):
             raise ValueError(
                 f"model {name} has another structure (thresholds, n_p, low_pass, N_ts or eye) than the first; "

@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._channels import RESPONSE
 from lgmd2jax._compute.batching import each
 from lgmd2jax._eye import Eye
@@ -56,6 +57,7 @@ def check_channels(channels: Sequence[str]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(channels))
 
 
+@checked
 def surfaces(
     model: Models,
     renderer: Callable,

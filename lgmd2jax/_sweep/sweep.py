@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from tqdm import tqdm
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._eye import Eye
 from lgmd2jax._files.lock import locked
 from lgmd2jax._sweep.axes import Models, read_grid
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from distributed import Client
 
 
+@checked
 def sweep(
     model: Models,
     renderer,

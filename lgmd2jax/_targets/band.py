@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._channels import Channel
 from lgmd2jax._targets.target import Target, check_channel
 from lgmd2jax.stimuli import Stimulus
@@ -13,6 +14,7 @@ from lgmd2jax.stimuli import Stimulus
 Number = float | int
 
 
+@checked
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Band:
     """The range of a response over time: what a sentence tells that gives no curve.
@@ -53,6 +55,7 @@ class Band:
             if not (math.isfinite(low) or math.isfinite(high)) or low == math.inf or high == -math.inf:
                 raise ValueError(f"low is {low:g} and high {high:g} in segment {number}; give a finite edge")
 
+    @checked
     def on(self, stimulus: Stimulus) -> Target:
         """The target at the frames of the stimulus, with weight 0 outside of the segments.
 

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
+from lgmd2jax._files.atomic import check_file
 from lgmd2jax._targets.units import size_of
 from lgmd2jax._words import nearest
 
@@ -162,6 +163,7 @@ def read_columns(path: str | os.PathLike, separator: str | None = None, decimal:
         raise ValueError(f"decimal is {decimal!r}; give '.' or ','")
     if separator is not None and (len(separator) != 1 or separator == decimal):
         raise ValueError(f"separator is {separator!r} and decimal {decimal!r}; give one character each, not the same")
+    check_file(Path(path))
     try:
         text = _decoded(Path(path).read_bytes())
         separator = separator or _separator(text, decimal)

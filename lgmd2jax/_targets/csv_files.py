@@ -2,16 +2,17 @@
 
 import os
 import re
-import warnings
 from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._channels import Channel
 from lgmd2jax._targets.columns import Columns, Where, read_columns
 from lgmd2jax._targets.spike_trains import Likelihood, SpikeTrains
 from lgmd2jax._targets.target import Target
 from lgmd2jax._targets.units import size_of
+from lgmd2jax._words import warn
 
 _IN_BRACKETS = re.compile(r"[(\[]\s*([^()\[\]]+?)\s*[)\]]\s*$")
 _LIKE_A_UNIT = re.compile(r"/|%|hz|\bm?v\b|volt|\bbins?\b|\bm?s\b", re.IGNORECASE)
@@ -19,6 +20,7 @@ _SMP = -5.0, 5.0  # farther than noise takes a potential of 0.5 to 1, nearer tha
 _POOLED = 4  # trials for which the variance counts that all times share
 
 
+@checked
 def read_target(
     path: str | os.PathLike,
     *,
@@ -52,8 +54,8 @@ def read_target(
     """
     names = [column] if isinstance(column, str) else column
     try:
-        if not (isinstance(names, Sequence) and names and all(isinstance(name, str) for name in names)):
-            raise ValueError(f"column is {column!r:.60}; give a name of the header, or a list of them")
+        if not names:
+            raise ValueError(f"column is {column!r}; give a name of the header, or a tuple of names")
         factors = [_factor(name, unit, channel) for name in [*names, *([sem] if sem else [])]]
         table = read_columns(path, separator, decimal).where(where)
         clock, ms = table.time(time, time_unit, [*names, *(where or ()), *([sem] if sem else [])])
@@ -69,6 +71,7 @@ def read_target(
         raise ValueError(f"{path}: {error}") from error
 
 
+@checked
 def read_spike_trains(
     path: str | os.PathLike,
     *,
@@ -146,10 +149,9 @@ def _warn_of_values(path: str | os.PathLike, channel: Channel, values: np.ndarra
     """Warn of a potential that is none of 0.5 to 1, by far."""
     low, high = float(values.min()), float(values.max())
     if channel.startswith("smp") and not (_SMP[0] <= low and high <= _SMP[1]):
-        warnings.warn(
+        warn(
             f"{path}: the values of {channel!r} reach from {low:g} to {high:g}, and the potential lies in 0.5 to 1; "
-            "convert percent or mV first",
-            stacklevel=4,
+            "convert percent or mV first"
         )
 
 
@@ -187,10 +189,9 @@ def _warn_of_conditions(path: str | os.PathLike, table: Columns, trial: tuple[st
     for name, values in others.items():
         pairs = list(zip(groups, table.text(name), strict=True))
         if len(set(pairs)) < len(pairs):  # a value comes again within a trial: no number of a spike, no amplitude
-            warnings.warn(
+            warn(
                 f"{path}: column {name!r} holds {_some(values)}, all of which are read as one recording; choose one by "
-                f"where = {{ {name} = {values[0]} }}",
-                stacklevel=3,
+                f"where = {{ {name} = {values[0]} }}"
             )
 
 

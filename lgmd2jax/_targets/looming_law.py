@@ -6,6 +6,7 @@ import math
 import numpy as np
 from jaxtyping import Float
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._channels import Channel
 from lgmd2jax._targets.rest import resting
 from lgmd2jax._targets.target import Target
@@ -15,6 +16,7 @@ _REFERENCE_MS = 40.0  # l/|v| at which the peak is `peak`
 _SAME_ANGLE = 0.1  # degrees; far above rounding, far below what another course makes
 
 
+@checked
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class LoomingLaw:
     """eta(t) = C theta'(t - delta) exp(-alpha theta(t - delta)) above rest, theta the full angle of the object.
@@ -52,6 +54,7 @@ class LoomingLaw:
             if name in ("peak", "alpha") and value <= 0:
                 raise ValueError(f"{name} is {value}; give a positive number")
 
+    @checked
     def on(self, stimulus: Stimulus) -> Target:
         """The target at the frames of the stimulus.
 

@@ -7,6 +7,7 @@ import zlib
 import jax
 import numpy as np
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._channels import Channel
 from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._targets.observation import Observation
@@ -15,6 +16,7 @@ from lgmd2jax._types import Key, check_key
 from lgmd2jax.stimuli import Stimulus
 
 
+@checked
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class ModelTarget:
     """What a model answers to the same stimulus.
@@ -50,6 +52,7 @@ class ModelTarget:
         if self.noise and self.key is None:
             raise ValueError(f"noise is {self.noise:g} without a key; give key=jax.random.key(0)")
 
+    @checked
     def on(self, stimulus: Stimulus) -> Target:
         """The target at the frames of the stimulus."""
         response = self.model(stimulus.frames, stimulus.fps)

@@ -9,6 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._network.parameter_set import Symbol, check_domains, declared, declares, scalar
 
 
@@ -24,6 +25,7 @@ def _number(name: str) -> Callable[[Any], Array]:
     return converted
 
 
+@checked
 class Observation(eqx.Module):
     """rate(t) = baseline + gain 2 (U'(t - latency) - .5), then smoothed as the recording was.
 
@@ -83,6 +85,7 @@ class Observation(eqx.Module):
     def __check_init__(self):
         check_domains(self)
 
+    @checked
     def __call__(
         self, smp_adapted: Float[Array | np.ndarray, " time"], time: Float[Array | np.ndarray, " time"]
     ) -> Float[Array, " time"]:

@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._channels import TARGETS, Channel
 from lgmd2jax._targets.target import Target, check_channel
 from lgmd2jax.stimuli import Stimulus
@@ -24,6 +25,7 @@ def resting(channel: Channel, rest: float | int | None) -> float:
     return value
 
 
+@checked
 @dataclasses.dataclass(frozen=True)
 class Rest:
     """The resting value throughout.
@@ -42,11 +44,13 @@ class Rest:
     def __post_init__(self):
         resting(self.channel, self.rest)
 
+    @checked
     def on(self, stimulus: Stimulus) -> Target:
         """The target at the frames of the stimulus."""
         return Target(self.channel, np.full(len(stimulus.time), resting(self.channel, self.rest))).on(stimulus)
 
 
+@checked
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Onset:
     """A response that starts at once and decays exponentially: rest + peak exp(-(t - at)/decay) from t = at on.
@@ -75,6 +79,7 @@ class Onset:
         if not (math.isfinite(self.decay_ms) and self.decay_ms > 0):
             raise ValueError(f"decay_ms is {self.decay_ms} ms; give a positive number")
 
+    @checked
     def on(self, stimulus: Stimulus) -> Target:
         """The target at the frames of the stimulus.
 

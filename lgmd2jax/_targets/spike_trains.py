@@ -2,23 +2,23 @@
 
 import dataclasses
 import math
-import warnings
 from collections.abc import Iterable, Sequence
-from typing import Any, Literal, get_args
+from typing import Annotated, Any, Literal, get_args
 
 import numpy as np
 from jaxtyping import Array, Float
 from scipy.special import ndtr
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._targets.clock import doubt, share_inside
 from lgmd2jax._targets.gaussian_sum import gaussian_sum
 from lgmd2jax._targets.target import Target
 from lgmd2jax._targets.units import duration, times
-from lgmd2jax._words import nearest
+from lgmd2jax._words import nearest, warn
 from lgmd2jax.stimuli import Stimulus
 
 Trial = Sequence[float | int] | Array | np.ndarray
-Trials = Sequence[Sequence[Trial]]
+Trials = Annotated[Sequence[Sequence[Trial]], "for each animal a list of trials, as [[[10, 20]]]"]
 Likelihood = Literal["normal", "poisson"]
 
 _COARSE = 10  # standard deviations of the kernel between two samples, from which spikes fall between them
@@ -28,6 +28,7 @@ _RASTER = (0, 1)  # what a bin of a raster holds; no neuron fires thrice within 
 _HALF_A_SPIKE = 0.5  # Jeffreys' prior of a count: silence does not tell that the rate is 0 exactly
 
 
+@checked
 @dataclasses.dataclass(frozen=True)
 class SpikeTrains:
     """Trials of spike times, which become a rate at the frames of whatever stimulus evoked them.
@@ -64,6 +65,7 @@ class SpikeTrains:
             raise ValueError(f"animals is {names}; give {count} different names, one for each animal of the trials")
         object.__setattr__(self, "animals", tuple(names))
 
+    @checked
     def on(self, stimulus: Stimulus) -> Target:
         """The target at the frames of the stimulus, all of which the recordings are taken to cover."""
         time = np.asarray(stimulus.time, dtype=float)
@@ -71,6 +73,7 @@ class SpikeTrains:
             return spike_counts(self.trials, time, self.kernel_ms)
         return spike_rate(self.trials, time, self.kernel_ms).on(stimulus)
 
+    @checked
     def of(self, animal: str) -> "SpikeTrains":
         """The trials of one animal.
 
@@ -82,6 +85,7 @@ class SpikeTrains:
         return dataclasses.replace(self, trials=[self.trials[names.index(animal)]], animals=[animal])
 
 
+@checked
 def spike_rate(trials: Trials, time: Float[np.ndarray, " time"], kernel_ms: float | int = 20.0) -> Target:
     """The firing rate: a Gaussian on every spike, mean over animals of the means over trials.
 
@@ -186,7 +190,7 @@ def _check_clock(spikes: np.ndarray, time: np.ndarray) -> None:
         return
     if share_inside(spikes, float(time[0]), float(time[-1])) == 0:
         raise ValueError(f"the spike times {reason}")
-    warnings.warn(f"the spike times {reason}", stacklevel=3)
+    warn(f"the spike times {reason}")
 
 
 def _kernel(kernel_ms: Any) -> float | int:

@@ -8,6 +8,7 @@ import equinox as eqx
 import numpy as np
 from jaxtyping import Float
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._channels import TARGETS, Channel
 from lgmd2jax._targets.clock import doubt, share_inside
 from lgmd2jax._targets.units import duration, levels, times
@@ -39,6 +40,7 @@ def _duration(value: Any) -> Any:
     return duration(value, "correlation_ms")
 
 
+@checked
 class Target(eqx.Module):
     """A curve over time in one channel of the response, or a band in which the response should lie.
 
@@ -110,6 +112,7 @@ class Target(eqx.Module):
             _check("time", self.time, np.diff(self.time, prepend=-np.inf) > 0, "times that increase")
         check_correlation(self.correlation_ms)
 
+    @checked
     def on(self, stimulus: Stimulus) -> "Target":
         """The same at the frames of the stimulus, every array of their number. What is not covered has weight 0.
 

@@ -5,10 +5,12 @@ import math
 
 import numpy as np
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._targets.target import AnyTarget, Target, check_correlation
 from lgmd2jax.stimuli import Stimulus
 
 
+@checked
 @dataclasses.dataclass(frozen=True)
 class Weighted:
     """Any target, given another error or weight, or a window outside of which it does not count.
@@ -46,6 +48,7 @@ class Weighted:
         if self.correlation_ms is not None:
             check_correlation(self.correlation_ms)
 
+    @checked
     def on(self, stimulus: Stimulus) -> Target:
         """The target at the frames of the stimulus, with weight 0 outside of the window.
 

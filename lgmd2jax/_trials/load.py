@@ -1,12 +1,14 @@
 """Trials from the files that laboratories have."""
 
 import contextlib
+import os
 import re
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._targets.columns import Columns, read_columns
 from lgmd2jax._trials.excel import sheets_of
 from lgmd2jax._trials.header import column_of
@@ -29,6 +31,7 @@ _WITH_COMMA = re.compile(r"[-+]?\d+,\d+(e[-+]?\d+)?", re.IGNORECASE)
 _WITH_POINT = re.compile(r"[-+]?\d*\.\d+(e[-+]?\d+)?", re.IGNORECASE)
 
 
+@checked
 def load_trials(
     *sources: Any,
     time_unit: str | None = None,
@@ -74,7 +77,7 @@ def load_trials(
     )
     if not sources:
         raise ValueError("no file is named; give at least one")
-    files = [file for source in sources if not is_neo(source) for file in _files(Path(source))]
+    files = [file for source in sources if not is_neo(source) for file in _files(source)]
     drafts: list[Draft] = []
     remarks: list[str] = []
     with within(", ".join("Neo" if is_neo(source) else str(source) for source in sources)):
@@ -107,8 +110,11 @@ def _part(name: str, parts: Sequence[Any]) -> AbstractContextManager[None]:
     return within(name) if len(parts) > 1 else contextlib.nullcontext()
 
 
-def _files(path: Path) -> list[Path]:
+def _files(source: str | os.PathLike) -> list[Path]:
     """The file, or the text files of a folder."""
+    if not (isinstance(source, (str, os.PathLike)) and str(source)):
+        raise ValueError(f"source is {source!r:.60}; give a path, or objects of Neo")
+    path = Path(source)
     if not path.exists():
         raise FileNotFoundError(f"no such file: {path}")
     if not path.is_dir():

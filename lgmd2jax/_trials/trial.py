@@ -9,11 +9,14 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
+from lgmd2jax._arguments.checked import checked
+
 Condition = Mapping[str, float | str]
 
 _NANOSECOND = 6  # decimals of a ms: clocks of sessions and their units leave rounding below that
 
 
+@checked
 @dataclasses.dataclass(frozen=True, eq=False)
 class Trial:
     """One presentation of a stimulus to one animal.

@@ -4,12 +4,14 @@ import dataclasses
 from collections.abc import Iterator
 from typing import Any
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._targets.spike_trains import Likelihood, SpikeTrains
 from lgmd2jax._trials.peak_line import LoomingEstimate, estimate
 from lgmd2jax._trials.trial import Condition, Trial, natural, told
 from lgmd2jax._words import nearest
 
 
+@checked
 @dataclasses.dataclass(frozen=True, repr=False)
 class Trials:
     """All trials of an experiment, sorted by animal, condition, session and name.
@@ -57,6 +59,7 @@ class Trials:
         """What conditions are told apart by."""
         return tuple(dict.fromkeys(name for trial in self.trials for name in trial.condition))
 
+    @checked
     def where(self, animal: str | None = None, **condition: float | int | str) -> "Trials":
         """The trials of an animal, and of conditions that have these values.
 
@@ -76,6 +79,7 @@ class Trials:
             raise ValueError(f"no trial has {asked}; animals are {', '.join(self.animals)}")
         return Trials(left, self.remarks)
 
+    @checked
     def spike_trains(self, kernel_ms: float | int = 20.0, likelihood: Likelihood = "normal") -> SpikeTrains:
         """These trials as a target of a fit, by animal; choose one condition by `where` before."""
         by_animal = {animal: [] for animal in self.animals}
@@ -83,6 +87,7 @@ class Trials:
             by_animal[trial.animal].append(trial.spikes_ms)
         return SpikeTrains(list(by_animal.values()), kernel_ms, likelihood, self.animals)
 
+    @checked
     def looming_law(
         self, kernel_ms: float | int | None = None, *, resamples: int = 1000, seed: int = 0
     ) -> LoomingEstimate:

@@ -6,6 +6,7 @@ from fractions import Fraction
 import numpy as np
 from jaxtyping import UInt8
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._files.atomic import replaced
 from lgmd2jax._pyav import pyav
 from lgmd2jax.stimuli import Stimulus
@@ -13,6 +14,7 @@ from lgmd2jax.stimuli import Stimulus
 _PATCH = 0.08  # of the picture's height, at least two pixels
 
 
+@checked
 def save_display_video(
     stimulus: Stimulus,
     path: str | os.PathLike,

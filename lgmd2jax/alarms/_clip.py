@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from jaxtyping import Bool, Float, Int, Real
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._video.recording import time_of
 
 Stretch = tuple[int, int]  # first and last frame, as they are counted in the file
@@ -63,6 +64,7 @@ class ClipLabels:
         return (self.index >= stretch[0]) & (self.index <= stretch[1])
 
 
+@checked
 @dataclasses.dataclass(frozen=True)
 class LabelledClip(ClipLabels):
     """A clip with its labels, whose fields are those of `ClipLabels`, and
@@ -73,6 +75,7 @@ class LabelledClip(ClipLabels):
     frames: Real[np.ndarray, "time row col"] = dataclasses.field(kw_only=True)
 
     @classmethod
+    @checked
     def of(
         cls,
         name: str,
@@ -155,7 +158,7 @@ def check_stretches(
     labels = []
     for kind, pairs in kinds.items():
         for pair in pairs:
-            if len(pair) != 2 or not all(isinstance(frame, (int, np.integer)) for frame in pair):
+            if np.shape(pair) != (2,) or not all(isinstance(frame, (int, np.integer)) for frame in pair):
                 raise ValueError(f"{name}: {kind} holds {pair!r}; write pairs of frames, as [[149, 175]]")
             first, end = pair
             if first > end:

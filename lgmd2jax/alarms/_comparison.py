@@ -9,6 +9,7 @@ import numpy as np
 import scipy
 from jaxtyping import Float, Int
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax.alarms._clip import ClipLabels
 from lgmd2jax.alarms._counts import Counts, Share
 from lgmd2jax.alarms._evaluation import Evaluation
@@ -22,6 +23,7 @@ _FOLDS = 20  # at most: of more sources, several are left out together
 _RESAMPLES = 5000
 
 
+@checked
 @dataclasses.dataclass(frozen=True)
 class Detector:
     """What a detector does on clips.
@@ -33,10 +35,12 @@ class Detector:
     evaluation: Evaluation
     without: Mapping[str, Evaluation] = dataclasses.field(default_factory=dict)
 
+    @checked
     def for_source(self, source: str | None) -> Evaluation:
         """The evaluation by which a source may be judged."""
         return self.evaluation if source is None else self.without.get(source, self.evaluation)
 
+    @checked
     def counts(self, thresholds: Float[np.ndarray, " clip"]) -> Counts:
         """Hits and false alarms of all clips, each at its own threshold and by what may judge its source."""
         judged = [
@@ -79,6 +83,7 @@ class Comparison:
     training: str
 
     @classmethod
+    @checked
     def of(
         cls, detectors: Mapping[str, Detector], training: tuple[str, Mapping[str, Evaluation]] | None = None
     ) -> "Comparison":

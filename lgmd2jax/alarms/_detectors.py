@@ -3,6 +3,7 @@
 import dataclasses
 from collections.abc import Mapping, Sequence
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._network.parameters import preset
 from lgmd2jax.alarms._baselines import BASELINES, baseline
@@ -25,6 +26,7 @@ def table1(clips: Sequence[LabelledClip], model: LGMD2) -> dict[str, Evaluation]
     return {name: dataclasses.replace(evaluation, T_sp=T_sp) for name, T_sp in TABLE_I.items()}
 
 
+@checked
 def detectors(clips: Sequence[LabelledClip], model: LGMD2, flow: bool = True) -> dict[str, Evaluation]:
     """What a model is compared with, on clips: Table I at both thresholds, frame difference, divergence of flow.
 

@@ -10,8 +10,8 @@ import jax
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._compute.traced_once import traced_once
-from lgmd2jax._network.abstract import check_network
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._signals import stretches
 from lgmd2jax.alarms._clip import ClipLabels, LabelledClip, Stretch
@@ -71,6 +71,7 @@ class Evaluation:
             for clip, trace, drive in zip(self.clips, self.evidence, drives, strict=True)
         )
 
+    @checked
     def operating_curve(
         self, thresholds: Float[np.ndarray, " threshold"]
     ) -> tuple[Float[np.ndarray, " threshold"], Float[np.ndarray, " threshold"]]:
@@ -80,6 +81,7 @@ class Evaluation:
         hits = _reaching(np.array(peaks, float), thresholds)
         return hits / max(self.windows, 1), self.raised(thresholds) / max(self.silent_minutes, 1e-9)
 
+    @checked
     def raised(self, thresholds: Float[np.ndarray, " threshold"]) -> Int[np.ndarray, " threshold"]:
         """How many false alarms each threshold raises: in frames that reach it where the silent one before did not."""
         lowest = np.full(1, -np.inf)
@@ -96,6 +98,7 @@ class Evaluation:
         judged = zip(self.clips, self.evidence, strict=True)
         return np.concatenate([np.zeros(0), *(trace[clip.in_silence()] for clip, trace in judged)])
 
+    @checked
     def among(self, chosen: Bool[np.ndarray, " clip"]) -> "Evaluation":
         """The evaluation of some of the clips."""
         clips, evidence, drives = (
@@ -107,6 +110,7 @@ class Evaluation:
         """Both at the model's own T_sp: hits with Wilson's interval, false alarms with Garwood's of a Poisson count."""
         return self.counts().score()
 
+    @checked
     def counts(self, threshold: float | None = None) -> Counts:
         """Hits and false alarms of each clip at a threshold, by default the model's own T_sp."""
         threshold = self.T_sp if threshold is None else threshold
@@ -114,6 +118,7 @@ class Evaluation:
         windows = np.array([len(clip.windows) for clip in self.clips])
         return Counts(hits, windows, false, np.array([clip.silent_minutes for clip in self.clips]))
 
+    @checked
     def counts_of(self, clip: int, threshold: float) -> tuple[int, int]:
         """The windows hit and the false alarms of the clip of a number at a threshold."""
         labels, on = self.clips[clip], self.evidence[clip] >= threshold
@@ -140,6 +145,7 @@ class HeldOutScores:
     scores: Mapping[str, Score]
 
     @classmethod
+    @checked
     def of(cls, evaluations: Mapping[str, Evaluation]) -> "HeldOutScores":
         """From the evaluations of all models on the same clips."""
         first = next(iter(evaluations.values()))
@@ -147,12 +153,12 @@ class HeldOutScores:
         return cls(first.silent_minutes, first.windows, scores)
 
 
+@checked
 def evaluate(model: LGMD2, clips: Sequence[LabelledClip]) -> Evaluation:
     """Run a model over labelled clips.
 
     **Raises:** `ValueError` for no clips.
     """
-    check_network(model, LGMD2)
     if not clips:
         raise ValueError("clips is empty; give at least one")
     traces: dict[int, np.ndarray] = {}

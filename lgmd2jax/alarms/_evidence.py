@@ -11,6 +11,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, ScalarLike
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._network.lgmd2 import LGMD2
 
 NEVER = 0.0  # below every potential: no T_sp raises the alarm
@@ -21,6 +22,7 @@ def spikes_for_alarm(model: LGMD2) -> int:
     return math.ceil(float(model.parameters.N_sp))
 
 
+@checked
 @functools.partial(jax.jit, static_argnames=("N_sp", "N_ts"))
 def evidence(u: Float[Array, "*batch time"], sigma_sp: ScalarLike, N_sp: int, N_ts: int) -> Float[Array, "*batch time"]:
     """The largest T_sp at which the last N_ts + 1 frames hold N_sp spikes.

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Array
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._compute.fingerprint import fingerprint
 from lgmd2jax._compute.finished_work import Memory
 from lgmd2jax._compute.tasks import Result, Work
-from lgmd2jax._network.abstract import check_network
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._network.thresholds import Hard
 from lgmd2jax._targets.observation import Observation
@@ -22,7 +22,6 @@ from lgmd2jax.alarms._problem import AlarmProblem, problem_of
 from lgmd2jax.alarms._result import AlarmFit
 from lgmd2jax.alarms._starts import AlarmDescent, AlarmStarts, Candidate, Screening, risk
 from lgmd2jax.fitting import Free
-from lgmd2jax.fitting._free import check_free
 from lgmd2jax.fitting._search.search import TEMPERATURES, Search, check_counts
 
 if TYPE_CHECKING:
@@ -33,6 +32,7 @@ _REACH = 0.1  # of the first generation, in the unit box; each of the next goes 
 _LEFT_OUT = 32  # sources at most, each of which is left out once
 
 
+@checked
 def fit(
     model: LGMD2,
     clips: Sequence[LabelledClip],
@@ -84,9 +84,7 @@ def fit(
     **Raises:** `ValueError` for no clips, for clips in which no alarm is wanted, for a start outside of its bounds, for
     the memory of another fit, and for numbers that make no sense.
     """
-    check_network(model, LGMD2)
     check_key(key)
-    check_free(free)
     _check(model, clips, {"miss": miss, "false_alarm": false_alarm, "recorded": 1 if recorded is None else recorded})
     check_counts({"pixel_points": pixel_points, "cell_points": cell_points, "max_steps": max_steps}, at_least=1)
     check_counts({"generations": generations, "descend": descend}, at_least=0)

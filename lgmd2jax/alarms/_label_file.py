@@ -12,6 +12,7 @@ import jax
 import numpy as np
 from jaxtyping import Float
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._eye import Eye
 from lgmd2jax._files.catalogue import read_named
 from lgmd2jax._network.lgmd2 import LGMD2
@@ -34,6 +35,7 @@ _SETTLE_MS = 333.0  # the same of a rendered one, whatever its frame rate
 _GRACE_MS = 1000.0  # after contact nothing is judged: the camera jolts
 
 
+@checked
 @dataclasses.dataclass(frozen=True)
 class Rendering:
     """Which clips to render: how many, from which seed and world, and how time to contact becomes a label.
@@ -60,6 +62,7 @@ class Rendering:
                 "give positive times, the first at most as long as the second"
             )
 
+    @checked
     def clips(self, eye: Eye) -> Iterator[LabelledClip]:
         """Render the clips for an eye, one by one, with their labels."""
         world = {"encounters": encounters, "films": films}[self.world]
@@ -97,6 +100,7 @@ class LabelFile:
     rendered: Rendering | None
     folder: Path
 
+    @checked
     def load(self, progress: Callable[[Iterable], Iterable] = iter) -> tuple[LabelledClip, ...]:
         """All clips, recorded ones first. `progress` wraps the loop over them; what is rendered counts as one.
 
@@ -116,6 +120,7 @@ class LabelFile:
         finally:
             pool.shutdown(cancel_futures=True)
 
+    @checked
     def evaluate(self, model: LGMD2) -> Evaluation:
         """Run a model over all clips, recorded ones first, as `evaluate(model, file.load())` does.
 
@@ -153,6 +158,7 @@ class LabelFile:
         return opened
 
 
+@checked
 def load_labels(source: str | Path) -> LabelFile:
     """Read a file of labelled clips, or a shipped one by its bare name.
 
@@ -201,6 +207,8 @@ def label_file(path: Path, table: dict[str, Any]) -> LabelFile:
         raise ValueError("there are no clips; list recorded ones under [[clip]], or ask for [rendered] ones")
     folder = path.parent.resolve()
     for number, clip in enumerate(clips):
+        if not clip["file"].strip():
+            raise ValueError(f"clip[{number}].file is {clip['file']!r}; give a video, or a folder of pictures")
         if not (place := folder / clip["file"]).exists():
             raise ValueError(f"clip[{number}].file: there is no {place}; give a path from the folder of this file")
         if {"alarm", "before_ms"} <= clip.keys():

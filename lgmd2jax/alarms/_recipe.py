@@ -10,6 +10,7 @@ from typing import Any
 import jax
 import numpy as np
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._files.catalogue import beside, read_named
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._schemas.check import check
@@ -50,6 +51,7 @@ class AlarmRecipe:
         """The time of the urgency, None where none is asked for."""
         return self.table.get("urgency", {}).get("within_ms")
 
+    @checked
     def run(self, clips: Sequence[LabelledClip], progress: bool = False, memory=None) -> AlarmFit:
         """Make the fit."""
         settings = {name: value for name, value in self.solver.items() if name != "seed"}
@@ -76,6 +78,7 @@ class AlarmRecipe:
         return digest.hexdigest()
 
 
+@checked
 def load_recipe(source: str | Path) -> AlarmRecipe:
     """Read a recipe of kind `"alarms"` from a TOML file, or a shipped one by its bare name.
 

@@ -6,6 +6,7 @@ import numpy as np
 import scipy
 from jaxtyping import Bool, Float, Int
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax.alarms._counts import Share
 
 _BINS = 10
@@ -37,6 +38,7 @@ class Reliability:
     intercept: Share
 
     @classmethod
+    @checked
     def of(
         cls,
         probability: Float[np.ndarray, " frame"],

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from jaxtyping import Float
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._reports.section import Section, as_text, unfinished_section
 from lgmd2jax._words import warn_renamed
@@ -65,6 +66,7 @@ class AlarmFit:
         warn_renamed("AlarmFit.watch", "AlarmFit.evaluation")
         return self.evaluation
 
+    @checked
     def sections(
         self,
         held_out: HeldOutScores | None = None,
@@ -85,6 +87,7 @@ class AlarmFit:
             _report.parameter_section(self.free, self.model.parameters, self.ranges),
         ]
 
+    @checked
     def summary(
         self, held_out: HeldOutScores | None = None, comparisons: Mapping[str, Comparison] | None = None
     ) -> str:

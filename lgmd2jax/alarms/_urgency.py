@@ -12,6 +12,7 @@ import scipy
 from jaxtyping import Array, Bool, Float, Int, ScalarLike
 
 from lgmd2jax import hard
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._handover.model_file import calibrate, calibration_of
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._network.stages import Response
@@ -52,6 +53,7 @@ class Urgency:
     predicted: tuple[float, ...] = ()
     observed: tuple[float, ...] = ()
 
+    @checked
     def __call__(
         self, model: LGMD2, response: Response, interval: Float[Array | np.ndarray, " time"]
     ) -> Float[Array, " time"]:
@@ -62,6 +64,7 @@ class Urgency:
             return predicted
         return jnp.interp(predicted, jnp.asarray(self.predicted), jnp.asarray(self.observed))
 
+    @checked
     def reliability(self, model: LGMD2, clips: Sequence[LabelledClip]) -> Reliability:
         """Predicted probability against observed frequency, frame by frame.
 
@@ -70,6 +73,7 @@ class Urgency:
         said, happens, clip = self._predicted(model, clips)
         return Reliability.of(np.interp(said, self.predicted, self.observed) if self.predicted else said, happens, clip)
 
+    @checked
     def recalibrated(self, model: LGMD2, clips: Sequence[LabelledClip]) -> tuple["Urgency", Reliability]:
         """With a calibration table from clips that neither the model nor the urgency was fitted on.
 
@@ -98,11 +102,13 @@ class Urgency:
         weights = np.array([getattr(self, name) for name in hard.EVIDENCE])
         return scipy.special.expit(self.intercept + evidence @ weights), happens, clip
 
+    @checked
     def save(self, path: str | os.PathLike) -> None:
         """Add it to a hand-over file, in the place of one that is there."""
         calibrate(path, "urgency", {name: value for name, value in dataclasses.asdict(self).items() if value != ()})
 
 
+@checked
 def load_urgency(path: str | os.PathLike) -> Urgency | None:
     """The urgency of a hand-over file; None where it has none.
 
@@ -115,6 +121,7 @@ def load_urgency(path: str | os.PathLike) -> Urgency | None:
     return Urgency(**{**table, **values})
 
 
+@checked
 def fit_urgency(
     model: LGMD2, clips: Sequence[LabelledClip], within_ms: float | int = 500.0, tau_ms: float | int = _TAU_MS
 ) -> Urgency:

@@ -11,6 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._eye import Eye
 from lgmd2jax._types import Map, Scalar
 from lgmd2jax.arena._layout import (
@@ -54,6 +55,7 @@ class Scene(eqx.Module):
     flicker_phase: Scalar
 
     @classmethod
+    @checked
     def of(cls, layout: Layout) -> "Scene":
         """The scene of a layout."""
         missing = MOST - len(layout.radii)
@@ -81,6 +83,7 @@ class _Hit(eqx.Module):
     count: Int[Array, " strip"]
 
 
+@checked
 def render(eye: Eye, scene: Scene, place: Float[Array, "2"], heading: Scalar) -> Map:
     """The image in grey levels, without noise, from a place in cm and a heading in radians.
 

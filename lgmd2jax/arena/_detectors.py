@@ -8,6 +8,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._eye import Eye
 from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.retina import magnitude
@@ -41,6 +42,7 @@ class NoDetector(AbstractDetector):
         return (), jnp.zeros((), bool), jnp.zeros(2, frame.dtype)
 
 
+@checked
 class FrameDifference(AbstractDetector):
     """An alarm where the mean of abs(L(t) - L(t-1)) reaches a threshold in grey levels."""
 
@@ -56,6 +58,7 @@ class FrameDifference(AbstractDetector):
         return frame, change.mean() >= self.threshold, evidence
 
 
+@checked
 class NetworkDetector(AbstractDetector):
     """The alarm of a network. The evidence of a side is its part of MP."""
 

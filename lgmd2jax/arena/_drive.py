@@ -16,6 +16,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._eye import Eye
 from lgmd2jax._types import Key, Scalar
 from lgmd2jax.arena._camera import EYE, Scene, film, render
@@ -69,6 +70,7 @@ class _Robot(eqx.Module):
     touching: Bool[Array, ""]
 
 
+@checked
 def drive(
     detector: AbstractDetector,
     scene: Scene,

@@ -10,6 +10,7 @@ import math
 import numpy as np
 from jaxtyping import Bool, Float
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax.stimuli._camera import FLICKER, FLICKER_HZ, NOISE
 
 SIDE_CM = 110.0
@@ -57,6 +58,7 @@ class Layout:
         return inside & np.all(distance >= self.radii + ROBOT_RADIUS_CM, axis=-1)
 
 
+@checked
 def random_layout(seed: int) -> Layout:
     """The arena of a seed: 10 to 20 obstacles, patterns, and a start from which the robot can move."""
     chance = np.random.default_rng(seed)

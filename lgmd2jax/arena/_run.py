@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import PRNGKeyArray
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._compute.batching import each_on_all_devices
 from lgmd2jax._compute.traced_once import traced_once
 from lgmd2jax._eye import Eye
@@ -25,6 +26,7 @@ class Start(eqx.Module):
     key: PRNGKeyArray
 
     @classmethod
+    @checked
     def of(cls, seed: int) -> "Start":
         """The arena and the random numbers of a seed."""
         layout = random_layout(seed)
@@ -32,11 +34,13 @@ class Start(eqx.Module):
         return cls(Scene.of(layout), pose, jax.random.key(seed))
 
     @classmethod
+    @checked
     def stacked(cls, seeds: Sequence[int]) -> "Start":
         """Those of several seeds."""
         return jax.tree.map(lambda *each: jnp.stack(each), *map(cls.of, seeds))
 
 
+@checked
 def run(
     detector: AbstractDetector, seeds: Sequence[int], *, turn: Turn = "random", seconds: float = SECONDS, eye: Eye = EYE
 ) -> tuple[list[Layout], Trip]:
@@ -48,6 +52,7 @@ def run(
     return layouts, trips(detector, Start.stacked(seeds), turn=turn, seconds=seconds, eye=eye)
 
 
+@checked
 @traced_once
 def trips(
     detector: AbstractDetector, starts: Start, *, turn: Turn = "random", seconds: float = SECONDS, eye: Eye = EYE

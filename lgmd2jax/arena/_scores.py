@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from jaxtyping import Float, Int
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._reports.interval import Interval
 from lgmd2jax.arena._drive import Trip
 from lgmd2jax.arena._layout import SIDE_CM, Layout
@@ -29,6 +30,7 @@ class Outcome:
     share_visited: Float[np.ndarray, " arena"]
 
     @classmethod
+    @checked
     def of(cls, layouts: Sequence[Layout], trips: Trip) -> "Outcome":
         """The outcome of trips, stacked as the layouts they were made in."""
         places = np.asarray(trips.pose.place)
@@ -49,10 +51,12 @@ class Outcome:
         """Mean share of the free floor's cells that were visited in the time of a trip."""
         return _bootstrap(len(self.metres), self._visited)
 
+    @checked
     def collisions_by(self, other: "Outcome") -> Interval:
         """Collisions per metre by those of another detector in the same arenas; NaN where neither has any."""
         return _bootstrap(len(self.metres), lambda arenas: self._rate(arenas) / other._rate(arenas))
 
+    @checked
     def coverage_by(self, other: "Outcome") -> Interval:
         """Coverage by that of another detector in the same arenas."""
         return _bootstrap(len(self.metres), lambda arenas: self._visited(arenas) / other._visited(arenas))

@@ -1,5 +1,6 @@
 """The detectors that are compared, with the settings that were found for them on arenas kept for that."""
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._files.atomic import read_json
 from lgmd2jax._files.catalogue import folder
 from lgmd2jax._network.abstract import AbstractNetwork
@@ -9,6 +10,7 @@ from lgmd2jax.arena._training import SPACES
 SETTINGS = "arena/detectors.json"  # in fits/; `python -m benchmarks.arena --train` writes it
 
 
+@checked
 def detectors(model: AbstractNetwork | None = None) -> dict[str, AbstractDetector]:
     """By name: `none`, `table1`, `lgmd2`, `lgmd1` and `difference`.
 

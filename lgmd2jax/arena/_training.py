@@ -11,6 +11,7 @@ from jaxtyping import Float
 from scipy.stats import qmc
 from tqdm import tqdm
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._handover.named import model_named
 from lgmd2jax.arena._detectors import AbstractDetector, FrameDifference, NetworkDetector, NoDetector
 from lgmd2jax.arena._layout import Layout
@@ -133,6 +134,7 @@ class Training:
         }
 
 
+@checked
 def train(space: Space, budget: Budget = BUDGET, *, progress: bool = False) -> Training:
     """Drive robots by candidates, Sobol points of the space: all in a few arenas, the best in others, the best wins.
 

@@ -2,13 +2,13 @@
 
 import argparse
 import functools
-import importlib.util
 import time
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
+from lgmd2jax._compute.cluster import is_installed
 from lgmd2jax._compute.finished_work import Memory
 from lgmd2jax._files.folder import check_folder
 from lgmd2jax._network.lgmd2 import LGMD2
@@ -152,4 +152,4 @@ def _detectors(evaluations: Mapping[str, Evaluation]) -> dict[str, Detector]:
 
 def _others(model: LGMD2, clips: Sequence[LabelledClip]) -> dict[str, Evaluation]:
     """What the detectors do that the model is compared with; without OpenCV that of the optical flow is left out."""
-    return detectors(clips, model, flow=importlib.util.find_spec("cv2") is not None)
+    return detectors(clips, model, flow=is_installed("cv2"))

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._reports.digits import measured, plain
 from lgmd2jax._reports.section import Section, as_html, as_text
 from lgmd2jax.fitting._cells import unit_cell
@@ -120,6 +121,7 @@ class AnimalFits:
         """The report as text."""
         return as_text(self.sections())
 
+    @checked
     def plot(self, path: str | os.PathLike | None = None) -> Any:
         """Draw each parameter of each animal with its interval, and the population's mean and spread.
 
@@ -129,6 +131,7 @@ class AnimalFits:
         """
         return importlib.import_module("lgmd2jax._figures.animals").plot_animals(self, path)
 
+    @checked
     def write_csv(self, path: str | os.PathLike) -> None:
         """Write a row for each animal and parameter, and for the population: value, standard error, interval."""
         with open(path, "w", newline="", encoding="utf-8") as file:

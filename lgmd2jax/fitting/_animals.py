@@ -13,6 +13,7 @@ import jax
 from jaxtyping import Array
 from tqdm import tqdm
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._compute.cluster import checked_client, prepare_worker, running_versions
 from lgmd2jax._compute.finished_work import MemoryPart
 from lgmd2jax._network.abstract import AbstractNetwork
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
 Pair = tuple[Stimulus, list[AnyTarget]]
 
 
+@checked
 def fit_each(
     model: AbstractNetwork,
     conditions: Sequence[AnyCondition],

@@ -4,6 +4,8 @@ import dataclasses
 import math
 from typing import Any, Literal
 
+from lgmd2jax._arguments.checked import checked
+
 
 @dataclasses.dataclass(frozen=True)
 class Range:
@@ -18,10 +20,12 @@ class Range:
     prior: tuple[float | int, float | int] | None = None
 
 
+@checked
 class Linear(Range):
     """Bounds between which a fit measures differences: `Linear(1, 6)`, the same as the pair `(1, 6)`."""
 
 
+@checked
 class Log(Range):
     """Bounds between which a fit measures factors: `Log(5, 50)`. Both bounds are positive."""
 

@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._channels import TARGETS, Channel
 from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._targets.observation import Observation
@@ -75,6 +76,7 @@ class Curve:
         """A model that stays at rest throughout."""
         return np.full(self.target.shape, self.rest)
 
+    @checked
     def r2(self, kind: Kind = "hard") -> float:
         """Share of the target's variance that the model explains; NaN for a band, and for one that does not vary."""
         if self.is_band:
@@ -83,6 +85,7 @@ class Curve:
             return 1 - self.chi2(kind) / self.chi2_of_mean
         return variance_explained(self.target, getattr(self, kind), self.weight)
 
+    @checked
     def rmse(self, kind: Kind = "hard") -> float:
         """Root of the mean squared difference from the target, in the channel's unit."""
         return float(np.sqrt(np.average(self.distance(kind) ** 2, weights=self.weight)))
@@ -97,26 +100,31 @@ class Curve:
         """The upper edge of a band; of a curve the target itself."""
         return self.target if self.upper is None else self.upper
 
+    @checked
     def distance(self, kind: Kind = "hard") -> Float[np.ndarray, " time"]:
         """From the target, in the channel's unit, negative below; 0 within a band."""
         response = getattr(self, kind)
         return response - np.clip(response, self.target, self.high)
 
+    @checked
     def inside(self, kind: Kind = "hard") -> float:
         """Share of the samples that count which lie within the band."""
         return float(np.mean(self.distance(kind)[self.weight > 0] == 0))
 
+    @checked
     def chi2(self, kind: Kind = "hard") -> float:
         """Sum of the squared distances in standard errors, of independent samples; NaN where errors are unknown."""
         if self.exposure is not None:
             return float(np.square(self.deviance_residuals(getattr(self, kind))).sum())
         return self._chi2_of(self.distance(kind))
 
+    @checked
     def deviance_residuals(self, rate: Float[np.ndarray, " time"]) -> Float[np.ndarray, " counted"]:
         """Of counts, where they count, from a rate in spikes/s."""
         counts, means = self._counts_and_means(rate)
         return np.asarray(deviance_residuals(jnp.asarray(counts), jnp.asarray(means)))
 
+    @checked
     def minus_two_log_likelihood(self, kind: Kind = "hard") -> float:
         """Of counts under the model, all terms included."""
         return minus_two_log_likelihood(*self._counts_and_means(getattr(self, kind)))

@@ -13,11 +13,12 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._compute.fingerprint import fingerprint
 from lgmd2jax._compute.finished_work import Memory
 from lgmd2jax._compute.tasks import Result, Work
 from lgmd2jax._compute.traced_once import traced_once
-from lgmd2jax._network.abstract import AbstractNetwork, check_network
+from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.noise import inhibition_in_noise
 from lgmd2jax._network.thresholds import Hard, Soft, StraightThrough
 from lgmd2jax._targets.observation import Observation, observation_symbols
@@ -25,7 +26,7 @@ from lgmd2jax._types import check_key, strong
 from lgmd2jax._words import nearest
 from lgmd2jax.fitting._conditions import AnyCondition, Rendered, render
 from lgmd2jax.fitting._curve import Curve, curve_of, rest_of
-from lgmd2jax.fitting._free import Free, check_free
+from lgmd2jax.fitting._free import Free
 from lgmd2jax.fitting._problem import Curves, Problem, chi2_residuals, problem_of
 from lgmd2jax.fitting._result import Fit
 from lgmd2jax.fitting._robust import LOSSES, Loss
@@ -47,6 +48,7 @@ _LOUD = 0.5  # of the inhibiting FFI; noise that reaches it takes part of the re
 _APART = 0.02  # in the unit box; starts closer to a better one are not descended
 
 
+@checked
 def fit(
     model: AbstractNetwork,
     conditions: Sequence[AnyCondition],
@@ -108,15 +110,12 @@ def fit(
     than independent samples, for a prior beside targets without errors, for the memory of another fit, and for settings
     that make no sense.
     """
-    check_network(model)
     check_key(key)
-    check_free(free)
     pairs, observation, free = render(conditions), observation or Observation(), free.of(type(model.parameters))
     free.check_used_by(model)
     temperatures = _temperatures(model, temperatures)
     counts = {"pixel_points": pixel_points, "cell_points": cell_points, "descend": descend, "max_steps": max_steps}
     _check(pairs, free, loss, counts)
-    _check_kinds(observation, solver, choose)
     problem = problem_of(model, observation, free, pairs, loss)
     samples = problem.samples()
     if samples < len(free):
@@ -231,16 +230,6 @@ def _check(pairs: Sequence[Rendered], free: Free, loss: str, counts: dict[str, i
         raise ValueError(
             f"{with_prior[0]} has a prior, which can only be weighed against data of known error; give targets an error"
         )
-
-
-def _check_kinds(observation: object, solver: object, choose: object) -> None:
-    """Before the search, in the midst of which they are first used."""
-    if not isinstance(observation, Observation):
-        raise ValueError(f"observation is {observation!r:.60}; give an Observation")
-    if not isinstance(solver, Solver.__value__ | None):
-        raise ValueError(f"solver is {solver!r:.60}; give one of optimistix', such as optimistix.BFGS(1e-8, 1e-8)")
-    if not (choose is None or callable(choose)):
-        raise ValueError(f"choose is {choose!r:.60}; give a function of a model")
 
 
 def _apart(screened: Mapping[int, Result], count: int) -> list[int]:

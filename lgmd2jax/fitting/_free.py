@@ -3,7 +3,7 @@
 import dataclasses
 import math
 from collections.abc import Iterator, Mapping
-from typing import Any, NamedTuple, TypeVar
+from typing import Annotated, Any, NamedTuple, TypeVar
 
 import equinox as eqx
 import jax
@@ -11,6 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.parameters import Parameters, ParameterSet, Symbol, symbols
 from lgmd2jax._targets.observation import Observation, observation_symbols
@@ -20,6 +21,7 @@ from lgmd2jax.fitting._bounds import Linear, Log, Range, Scale, between, check_b
 P = TypeVar("P", bound=ParameterSet)
 
 
+@checked
 @dataclasses.dataclass(frozen=True)
 class Tie:
     """A parameter that follows another one, free or fixed: `theta1=Tie("theta2")` is theta1 = factor theta2."""
@@ -66,6 +68,12 @@ class FreeParameter:
         return self.value(z) * math.log(self.high / self.low) if self.scale == "log" else self.high - self.low
 
 
+Choice = Annotated[
+    tuple[float | int, float | int] | Linear | Log | Tie | None, "(low, high), a Linear, a Log, a Tie or None"
+]
+
+
+@checked
 @jax.tree_util.register_pytree_node_class
 class Free:
     """The free parameters of a fit, by the paper's symbols and the fields of `Observation`.
@@ -82,7 +90,7 @@ class Free:
     domain, for priors without width, and for ties to what is tied itself.
     """
 
-    def __init__(self, **choices: "tuple[float | int, float | int] | Linear | Log | Tie | None"):
+    def __init__(self, **choices: Choice):
         known = (kind for kind in _kinds() if choices.keys() <= _symbols(kind).keys())
         self._resolve(choices, next(known, Parameters))
 
@@ -161,7 +169,8 @@ class Free:
             if name in network.unused:
                 raise ValueError(f"{name} is free, but acts on nothing in this {type(network).__name__}; {_cure(name)}")
 
-    def also(self, **choices: "tuple[float | int, float | int] | Linear | Log | Tie | None") -> "Free":
+    @checked
+    def also(self, **choices: Choice) -> "Free":
         """These and further choices.
 
         **Raises:** `ValueError` as the class itself.
@@ -243,12 +252,6 @@ class Free:
             if parameter.prior
         ]
         return jnp.stack(rows) if rows else jnp.zeros(0)
-
-
-def check_free(free: object) -> None:
-    """Raise `ValueError` for what does not say which parameters are free."""
-    if not isinstance(free, Free):
-        raise ValueError(f"free is {free!r:.60}; give which parameters may change, such as Free(k=None)")
 
 
 def _number(value):

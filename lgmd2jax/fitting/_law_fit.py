@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.optimize import least_squares
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._channels import Channel
 from lgmd2jax._signals import line_through, peak_times
 from lgmd2jax._targets.looming_law import LoomingLaw, course
@@ -32,6 +33,7 @@ class LawFit:
     exponent: float
     observation: Observation
 
+    @checked
     def predict(self, stimulus: Stimulus, channel: Channel = "rate") -> Float[np.ndarray, " time"]:
         """The rate at the frames of an approach. Other channels the law does not have."""
         time = np.asarray(stimulus.time, dtype=float)

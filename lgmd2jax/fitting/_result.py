@@ -11,6 +11,7 @@ import jax
 import numpy as np
 from jaxtyping import Array, Float
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._channels import Channel
 from lgmd2jax._compute.finished_work import Memory
 from lgmd2jax._network.abstract import AbstractNetwork
@@ -118,6 +119,7 @@ class Fit:
         """The channels that had targets, the rate first."""
         return tuple(sorted({curve.channel for curve in self.curves}, key=lambda name: (name != "rate", name)))
 
+    @checked
     def predict(self, condition: Condition | Stimulus, channel: Channel | None = None) -> Float[np.ndarray, " time"]:
         """The fitted channel for any stimulus, by `model`, at its frames.
 
@@ -126,6 +128,7 @@ class Fit:
         stimulus = condition if isinstance(condition, Stimulus) else condition.render()
         return predict(self.model, self.observation, stimulus, channel or self.channels[0])
 
+    @checked
     def profile(self, name: str, confidence: float = 0.95) -> Profile:
         """The interval of a free parameter by its profile likelihood: all others are fitted anew as it is moved.
 
@@ -144,6 +147,7 @@ class Fit:
             value=lambda z: float(self.free.parameters[index].value(z)),
         )
 
+    @checked
     def sample(
         self,
         key: Array,
@@ -177,6 +181,7 @@ class Fit:
             progress=progress,
         )
 
+    @checked
     def values_of(self, draws: Posterior) -> dict[str, Float[np.ndarray, "chain draw"]]:
         """The draws by parameter, in its own unit."""
         return {each.name: np.asarray(each.value(draws.z[..., i])) for i, each in enumerate(self.free.parameters)}
@@ -218,6 +223,7 @@ class Fit:
                 value = float(getattr(self._owner(name), name))
                 yield name, Linear(min(symbol.bounds[0], value), max(symbol.bounds[1], value))
 
+    @checked
     def next_stimulus(self, candidates: Sequence[Condition | Stimulus]) -> list[Candidate]:
         """Which stimulus to record next: the one that narrows the intervals most. The best stands first."""
         temperature = strong(self.temperatures[-1])
@@ -232,6 +238,7 @@ class Fit:
             jacobians.append(np.asarray(jacobian)[: len(targets) * len(nothing)])
         return rank(self.uncertainty, jacobians, [stimulus.name for stimulus in stimuli])
 
+    @checked
     def plot(self, path: str | os.PathLike | None = None) -> Any:
         """Draw target, soft and hard model of every condition, a panel each.
 
@@ -243,6 +250,7 @@ class Fit:
         """
         return _figures().plot_curves(self, path)
 
+    @checked
     def plot_residuals(self, path: str | os.PathLike | None = None) -> Any:
         """Draw the residuals of `model` over time, and beside them their autocorrelation.
 
@@ -250,6 +258,7 @@ class Fit:
         """
         return _figures().plot_residuals(self, path)
 
+    @checked
     def plot_profile(
         self, name: str, profile: Profile | None = None, *, path: str | os.PathLike | None = None, ax: Any = None
     ) -> Any:
@@ -340,6 +349,7 @@ class Fit:
         """The verdict in a few words each, the first of which says whether the fit is valid."""
         return _report.status(self.result, self.loss, self.uncertainty, self.curves)
 
+    @checked
     def sections(self, supplement: Supplement | None = None) -> list[Section]:
         """The report's sections that have a content."""
         more, u, free, values = supplement or Supplement(), self.uncertainty, self.free, self.values
@@ -370,6 +380,7 @@ class Fit:
             *(section for section in sections if section.rows or section.sentences),
         ]
 
+    @checked
     def summary(self, supplement: Supplement | None = None) -> str:
         """The report as text."""
         return as_text(self.sections(supplement))

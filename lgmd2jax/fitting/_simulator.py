@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Array, Float
 from typing_extensions import TypeAliasType
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._channels import Channel
 from lgmd2jax._compute.batching import each
 from lgmd2jax._compute.traced_once import traced_once
@@ -84,12 +85,14 @@ class Simulator(eqx.Module):
     def high(self) -> Float[np.ndarray, " parameter"]:
         return np.array([parameter.high for parameter in self.problem.free.parameters])
 
+    @checked
     def prior(self, key: Key, count: int) -> Float[Array, "count parameter"]:
         """Random parameters within the bounds; of those whose factors count, every factor is as likely."""
         check_key(key)
         z = jax.random.uniform(key, (count, len(self.names)))
         return jnp.stack([parameter.value(z[:, i]) for i, parameter in enumerate(self.problem.free.parameters)], axis=1)
 
+    @checked
     def __call__(self, theta: Any, key: Key | None = None) -> Any:
         """The summaries, (batch, summary) for parameters (batch, parameter), or (summary,) for (parameter,).
 
@@ -112,6 +115,7 @@ class Simulator(eqx.Module):
         return answers if is_jax else np.asarray(answers)
 
 
+@checked
 def as_simulator(
     model: AbstractNetwork,
     conditions: Sequence[Condition | Stimulus | tuple[Stimulus, Any]],

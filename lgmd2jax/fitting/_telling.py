@@ -12,6 +12,7 @@ import numpy as np
 import scipy
 from jaxtyping import Array, Float
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._channels import Channel
 from lgmd2jax._eye import Eye
 from lgmd2jax._network.abstract import AbstractNetwork
@@ -53,6 +54,7 @@ class TellingStimulus:
     measured: Callable[[Stimulus | Condition], float] = dataclasses.field(repr=False)
 
 
+@checked
 def strongest_stimulus(
     neuron: Neuron,
     family: str,
@@ -99,6 +101,7 @@ def strongest_stimulus(
     return _search(model, score, family, vary, fixed, key, starts)
 
 
+@checked
 def discriminating_stimulus(
     one: Neuron,
     other: Neuron,

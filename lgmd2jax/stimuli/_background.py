@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._eye import Eye
 from lgmd2jax._types import Map
 from lgmd2jax.stimuli import _texture as texture
@@ -28,6 +29,7 @@ class Background(eqx.Module):
         """What gives the frame at a time in ms."""
 
 
+@checked
 class Uniform(Background):
     """One grey level, 0..255.
 
@@ -65,6 +67,7 @@ def _width(width) -> float:
     return float(width)
 
 
+@checked
 class Photograph(Background):
     """A flat picture, which may drift; beyond its borders it is mirrored.
 
@@ -120,6 +123,7 @@ class Photograph(Background):
         return paint
 
 
+@checked
 class Panorama(Background):
     """A picture painted on the inside of a globe around the eye, which may turn; it is repeated in mirror image.
 

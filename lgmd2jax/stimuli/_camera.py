@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._types import Key, check_key
 from lgmd2jax.stimuli._arguments import number
 from lgmd2jax.stimuli._stimulus import Stimulus
@@ -21,6 +22,7 @@ FILM_BY_FILE = 2 / 3, 4 / 5, 5 / 6
 _SHARP = 1e-3  # pixels; a blur below it is none
 
 
+@checked
 def camera(
     stimulus: Stimulus,
     key: Key,

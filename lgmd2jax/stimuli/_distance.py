@@ -10,6 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._types import Scalar, Times, is_concrete
 from lgmd2jax.stimuli._arguments import positive
 from lgmd2jax.stimuli._units import Centimetres
@@ -55,6 +56,7 @@ class AngleGrowth(Distance):
         return (2 * jnp.degrees(jnp.arctan2(1, distance)) - self.stop_angle) / self.growth * 1000
 
 
+@checked
 class Rolling(Distance):
     """A ball rolls from rest down a straight slope, at whose foot the eye is: acceleration 5/7 g height/length.
 
@@ -93,6 +95,7 @@ class Rolling(Distance):
         return jnp.sqrt(2 * self._acceleration * self.slope_length_cm)
 
 
+@checked
 class Tabulated(Distance):
     """Any approach, as a table that is interpolated linearly; the object stands before and after.
 

@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from typing_extensions import deprecated
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._eye import Eye
 from lgmd2jax._types import Key, check_key
 from lgmd2jax.stimuli._arguments import one_of, positive
@@ -39,6 +40,7 @@ class Encounter:
     time_to_contact_ms: Float[np.ndarray, " time"]
 
 
+@checked
 def random_encounter(eye: Eye, key: Key, *, kind: str | None = None, duration_ms: float | int = 3000.0) -> Encounter:
     """A random clip: the same key gives the same one.
 
@@ -99,6 +101,7 @@ def _convert(film: Stimulus, sources: Int[np.ndarray, " time"], fps: float | int
     return dataclasses.replace(film, frames=frames, fps=fps, time=time, courses=courses)
 
 
+@checked
 def encounters(eye: Eye, key: Key, count: int, *, duration_ms: float | int = 3000.0) -> Iterator[Encounter]:
     """So many clips, `count // 2` of them collisions, in a shuffled order; the other kinds come equally often.
 

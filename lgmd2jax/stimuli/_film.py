@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._eye import Eye
 from lgmd2jax._types import Key
 from lgmd2jax.stimuli._arguments import one_of, positive
@@ -26,6 +27,7 @@ FILM_MS = 5600.0  # the median of real clips
 _RATES = {8: 0.02, 10: 0.04, 12: 0.04, 15: 0.06, 20: 0.08, 24: 0.2, 25: 0.22, 30: 0.27, 50: 0.04, 60: 0.03}
 
 
+@checked
 def random_film(
     eye: Eye, key: Key, *, kind: str | None = None, fps: float | int | None = None, duration_ms: float | int = FILM_MS
 ) -> Encounter:
@@ -80,6 +82,7 @@ def random_film(
     return Encounter(kind, Stimulus(jnp.asarray(frames, dtype=float), rate, time, "film"), 1000 * left)
 
 
+@checked
 def films(
     eye: Eye, key: Key, count: int, *, fps: float | int | None = None, duration_ms: float | int = FILM_MS
 ) -> Iterator[Encounter]:

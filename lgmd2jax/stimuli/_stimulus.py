@@ -9,6 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, ScalarLike
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax._eye import Eye
 from lgmd2jax._types import Times, is_concrete
 
@@ -20,6 +21,7 @@ Frames = Float[Array, "time row col"]
 Courses = dict[str, Times]
 
 
+@checked
 class Stimulus(eqx.Module):
     """A clip, and what is known of it.
 

@@ -3,7 +3,6 @@
 import functools
 import os
 import pathlib
-import warnings
 from collections.abc import Callable
 
 import jax
@@ -12,7 +11,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from lgmd2jax._types import Map, is_concrete
-from lgmd2jax._words import nearest
+from lgmd2jax._words import nearest, warn
 
 # What scikit-image's wheel carries; the rest of its gallery would be downloaded.
 PHOTOGRAPHS = {
@@ -42,7 +41,7 @@ def read(image) -> Float[Array, "height width"]:
     if is_concrete(image) and not (np.all(np.isfinite(image)) and np.min(image) >= 0 and np.max(image) <= 255):
         raise ValueError("image holds values outside of 0..255; give grey levels")
     if is_concrete(image) and 0 < np.max(image) <= 1:
-        warnings.warn("image holds no grey level above 1; was 0..255 meant, given in 0..1?", stacklevel=3)
+        warn("image holds no grey level above 1; was 0..255 meant, given in 0..1?")
     return jnp.asarray(image, dtype=float)
 
 

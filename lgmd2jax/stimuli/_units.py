@@ -4,12 +4,13 @@ import dataclasses
 import inspect
 import math
 import typing
-import warnings
 from collections.abc import Callable, Iterator
 from typing import Annotated, Any
 
 from jaxtyping import ScalarLike
 from typing_extensions import TypeAliasType
+
+from lgmd2jax._words import warn
 
 
 @dataclasses.dataclass(frozen=True)
@@ -33,9 +34,7 @@ class Unit:
         other = self.confusion
         if other is not None and other.betrayed_by(value):
             meant = f"{other.size * value:.4g} {self.name}"
-            warnings.warn(
-                f"{argument} is {value:.4g} {self.name}; was {meant} meant, given {other.name}?", stacklevel=4
-            )
+            warn(f"{argument} is {value:.4g} {self.name}; was {meant} meant, given {other.name}?")
 
 
 def _is_angle_in_radians(value: float) -> bool:

@@ -1,10 +1,13 @@
 """Plain detectors: what they measure on clips whose change and expansion are known."""
 
 import importlib.util
+import sys
+import types
 
 import numpy as np
 import pytest
 
+from lgmd2jax._compute.cluster import need
 from lgmd2jax.alarms import LabelFile, LabelledClip
 from lgmd2jax.alarms._baselines import baseline, difference, divergence
 from lgmd2jax.cli import main
@@ -41,6 +44,14 @@ def test_divergence_is_that_of_a_texture_that_grows():
     for rate in (0.5, 1.0):
         assert np.median(divergence(zoom(rate))[1:]) == pytest.approx(2 * rate, rel=0.35)
     assert abs(np.median(divergence(zoom(0.0))[1:])) < 0.05
+
+
+def test_a_package_that_another_thread_is_importing_is_installed(monkeypatch):
+    """Clips are looked at in threads, of which each asks for OpenCV while the first one imports it."""
+    monkeypatch.setitem(sys.modules, "half", types.ModuleType("half"))
+    with pytest.raises(ValueError, match="__spec__"):
+        importlib.util.find_spec("half")
+    need("half", extra="baselines")
 
 
 def test_without_opencv_the_error_names_the_extra_before_anything_is_decoded(monkeypatch, capsys):

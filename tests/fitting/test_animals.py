@@ -59,7 +59,7 @@ def test_each_animal_has_a_fit_of_its_own(monkeypatch, untyped):
     found = lgmd.fit_each(lgmd.LGMD2(), [(LOOM, trains("a", "b"))], FREE, key=KEY, by="animal", descend=1)
     assert (list(found), len(found), found.unfinished) == (["a", "b"], 2, ())
     assert asked == {("a",): {"key": KEY, "descend": 1}, ("b",): {"key": KEY, "descend": 1}}
-    with pytest.raises(ValueError, match="by is 'cell'; give 'animal'"):
+    with pytest.raises(ValueError, match="by is 'cell'; choose 'animal'"):
         lgmd.fit_each(lgmd.LGMD2(), [(LOOM, trains("a"))], FREE, key=KEY, by="cell")  # pyright: ignore[reportArgumentType]
 
 

@@ -78,7 +78,7 @@ def test_equal_choices_are_equal_so_that_nothing_compiles_again():
         ({"tau1": (-5, 10)}, r"tau1 has the bound -5; it must lie in \(0, inf\)"),
         ({"tau1": (5, np.inf)}, "tau1 has the bound inf"),
         ({"tau1": (5, np.nan)}, "tau1 has the bound nan"),
-        ({"tau1": 5}, r"tau1 is free in 5; give \(low, high\)"),
+        ({"tau1": 5}, r"tau1 is 5; give \(low, high\)"),
         ({"theta1": Log()}, "theta1 has the bound 0; bounds on a logarithmic scale"),
         ({"k": None, "theta1": Tie("theta9")}, "theta1 is tied to a parameter that is 'theta9'; choose 'theta"),
         ({"k": None, "theta1": Tie("theta2"), "theta2": Tie("theta3")}, "theta2, which is tied itself"),

@@ -82,7 +82,7 @@ def test_misuse_is_refused(simulator, untyped):
         simulator(np.zeros(3))
     with pytest.raises(ValueError, match="the simulator has no noise"):
         lgmd.as_simulator(MODEL, LOOMS, FREE)(THETA, jax.random.key(0))
-    with pytest.raises(ValueError, match="summaries is 'curve'; choose 'curves'"):
+    with pytest.raises(ValueError, match="summaries is 'curve'; give a function or 'curves'"):
         lgmd.as_simulator(MODEL, LOOMS, FREE, summaries="curve")  # pyright: ignore[reportArgumentType]
     with pytest.raises(ValueError, match="conditions is empty"):
         lgmd.as_simulator(MODEL, [], FREE)

@@ -437,7 +437,7 @@ def test_provenance_is_carried_in_an_order_of_its_own(original, tmp_path, untype
 @pytest.mark.parametrize("provenance", [{"program": "mine"}, {"loss": float("nan")}, {"curves": [1, 2]}, {3: "three"}])
 def test_other_provenance_is_refused_and_leaves_the_old_file(path, untyped, provenance):
     before = path.read_bytes()
-    with pytest.raises(ValueError, match="provenance has"):
+    with pytest.raises(ValueError, match=r"provenance( has|\[.curves.\] is)"):
         lgmd.save(MODEL, path, provenance=provenance)
     assert path.read_bytes() == before
 

@@ -182,6 +182,8 @@ def test_repr_says_how_thresholds_act_and_what_the_parameters_are():
         (lambda model: model(FRAMES[:, :2], 30.0), "at least 3 rows and 3 columns"),
         (lambda model: model(FRAMES[:, :, :2], 30.0), "at least 3 rows and 3 columns"),
         (lambda model: model("clip.mp4", 30.0), "frames is 'clip.mp4'"),
+        (lambda model: model(FRAMES, 30.0, record="mp"), "record is 'mp'; give a function of the layers"),
+        (lambda model: model(FRAMES, fsp=30.0), "takes no 'fsp'; choose 'fps'"),
         (lambda model: model(None, 30.0), "frames is None; give an array of grey levels"),
         (lambda model: model([FRAMES[0], FRAMES[1, :5]], 30.0), "give an array of grey levels"),
         (lambda model: model(FRAMES.astype(np.longdouble), 30.0), "frames has dtype float128; give an array"),

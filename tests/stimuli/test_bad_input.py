@@ -89,7 +89,7 @@ def test_what_is_no_eye_is_refused(eye):
 @pytest.mark.parametrize(
     ("frames", "fps", "time", "message"),
     [
-        (np.zeros((3, 4, 4)), "30", np.arange(3.0), "fps is '30'; give a positive number"),
+        (np.zeros((3, 4, 4)), "30", np.arange(3.0), "fps is '30'; give a number"),
         (np.zeros((3, 4, 4)), 30.0, np.arange(2.0), r"frames has shape \(3, 4, 4\) and time \(2,\); give"),
         (np.zeros((4, 4)), 30.0, np.arange(4.0), r"frames has shape \(4, 4\) and time \(4,\); give \(time, row, col\)"),
         (

@@ -53,7 +53,7 @@ def test_error_and_window_are_those_of_any_target():
         ({"low": -np.inf, "high": np.inf}, "low is -inf and high inf in segment 1; give a finite edge"),
         ({"low": np.inf, "high": np.inf}, "give a finite edge"),
         ({"low": np.nan}, "low holds nan; give numbers"),
-        ({"low": ["a"]}, "low holds 'a'; give numbers"),
+        ({"low": ["a"]}, r"low\[0\] is 'a'; give a number"),
         ({"low": [0.5, 0.5]}, "low has 2 values and there are 1 segments; give one for each"),
         ({"segments_ms": [(0, 9), (20, 29)], "high": [0.6, 0.4]}, "low is 0.5 and high 0.4 in segment 2"),
         ({"segments_ms": [(0, 0)]}, r"segments_ms is \[\(0, 0\)\]; give \[start, end\] of each in ms"),

@@ -1,7 +1,7 @@
 """One descent in the unit box, driven step by step so that it can be watched and stopped."""
 
 import threading
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import equinox as eqx
 import jax
@@ -16,7 +16,13 @@ from lgmd2jax._types import strong
 from lgmd2jax.fitting._search.space import Space
 from lgmd2jax.fitting._solver.levenberg_marquardt import BoundedLevenbergMarquardt
 
-Solver = TypeAliasType("Solver", optx.AbstractLeastSquaresSolver | optx.AbstractMinimiser)
+Solver = TypeAliasType(
+    "Solver",
+    Annotated[
+        optx.AbstractLeastSquaresSolver | optx.AbstractMinimiser,
+        "one of optimistix', such as optimistix.BFGS(1e-8, 1e-8)",
+    ],
+)
 # Near the hard end the loss is a fine staircase, on which no gradient vanishes: enough when it hardly falls.
 _PATIENCE, _FALL = 20, 1e-3
 CONVERGED = "converged"

@@ -6,6 +6,7 @@ import numpy as np
 import scipy
 from jaxtyping import Float
 
+from lgmd2jax._arguments.checked import checked
 from lgmd2jax.fitting._uncertainty.covariance import CONFIDENCE
 
 
@@ -22,6 +23,7 @@ class RandomEffects(NamedTuple):
     inconsistency: float
 
 
+@checked
 def random_effects(
     estimates: Float[np.ndarray, " animal"], standard_errors: Float[np.ndarray, " animal"]
 ) -> RandomEffects:

@@ -1,0 +1,1 @@
+"""What public functions are given, looked at before they do anything."""
