@@ -325,7 +325,7 @@ def _advance(network: AbstractNetwork, state: State, frame, interval, record) ->
     pixels, cell = _in(network.pixels, frame.dtype), network._cell_for(frame)
     rest = jax.eval_shape(lambda: (pixels.rest(frame), cell.rest()))
     if _form(rest) != _form((state.pixels, state.cell)):
-        raise ValueError("state belongs to a model of another structure; start anew with init(frame)")
+        raise ValueError("state belongs to a model of another structure; start again with init(frame)")
     pixel_state, sums, layers = pixels.step(state.pixels, frame, interval.astype(frame.dtype))
     cell_state, response = cell.step(state.cell, *cast((sums, interval), cell.parameters.dtype), frame.size)
     response = dataclasses.replace(_nan_as(sums, response), recorded=None if record is None else record(layers))

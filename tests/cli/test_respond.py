@@ -118,8 +118,8 @@ def test_it_writes_the_table_and_the_figure_and_says_so(folder, tmp_path, capsys
     peak = int(np.argmax(whole.smp))
     alarm = np.flatnonzero(whole.collision)
     for line in [
-        "40 frames of 41 x 55 at 30 fps",
-        "it sees 41 x 55 pixels, grey by ITU-R 601",
+        "40 frames of 41 rows x 55 columns at 30 fps",
+        "it sees 41 rows x 55 columns, grey by ITU-R 601",
         "preset:lgmd2",
         f"SMP       at most {float(whole.smp.max()):.3f} (frame {peak}, {peak * 1000 / 30:.0f} ms)",
         f"spikes    {int(whole.spikes.sum())}\n",
@@ -219,7 +219,7 @@ def test_a_model_with_an_eye_sees_a_clip_as_wide_as_that_eye(folder, capsys, ask
     clip = open_clip(folder, fps=30.0, resize=width)
     expected = [row.smp for _, row in responses(model, clip)]
     assert [float(row["smp"]) for row in table("loom.csv")] == pytest.approx(expected, abs=1e-8)
-    assert f"it sees {clip.shape[0]} x {width} pixels" in capsys.readouterr().out
+    assert f"it sees {clip.shape[0]} rows x {width} columns" in capsys.readouterr().out
 
 
 def test_crop_resize_and_single_parameters_are_used(folder, capsys):
@@ -228,7 +228,7 @@ def test_crop_resize_and_single_parameters_are_used(folder, capsys):
     clip = open_clip(folder, fps=30.0, crop=np.s_[1:, 5:35], resize=15)
     rows = [row for _, row in responses(lgmd.LGMD2(lgmd.Parameters(T_sp=0.6, N_sp=3)), clip)]
     assert [int(row["collision"]) for row in table("loom.csv")] == [row.collision for row in rows]
-    assert "preset:lgmd2, T_sp=.6, N_sp=3; it sees 20 x 15 pixels" in capsys.readouterr().out
+    assert "preset:lgmd2, T_sp=.6, N_sp=3; it sees 20 rows x 15 columns" in capsys.readouterr().out
 
 
 def test_a_model_file_is_used_and_another_frame_rate_warned_of(folder, tmp_path, capsys):
