@@ -3,12 +3,14 @@
 python -m benchmarks.full_disk                        as root on Linux, since it mounts a disk of 1 MB in memory
 python -m benchmarks.full_disk --only watch import    some of the commands
 
-Of every command is asked: an exit status of 1, one line, no traceback, the earlier results as they were, and nothing
-half written. A command that fits into what is left of the disk may succeed; then its results must be there.
+Of every command is asked: an exit status of 1, one line that says what the disk refused, no traceback, the earlier
+results as they were, and nothing half written. A command that fits into what is left of the disk may succeed; then its
+results must be there.
 """
 
 import argparse
 import contextlib
+import errno
 import os
 import shutil
 import subprocess
@@ -47,6 +49,8 @@ def _faults(status: int, said: str, before: dict[str, bytes], after: dict[str, b
         return [*faults, *(f"{name} cannot be decoded" for name in videos)]
     if status != 1 or len(last) != 1 or "Traceback" in said:
         faults.append(f"exit status {status}, said {said[-200:]!r}")
+    elif not any(os.strerror(number) in last[0] for number in (errno.ENOSPC, errno.EROFS)):
+        faults.append("it ended for another reason, before it wrote")
     if any(after.get(name) != content for name, content in before.items()):
         faults.append("earlier files are other ones")
     new = [name for name in after if name not in before and not name.startswith("results/sweep.zarr/")]

@@ -16,7 +16,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from tests.examples import COMMANDS, PROGRAMS, ROOT, is_slow
+from tests.examples import COMMANDS, FILES, PROGRAMS, ROOT, is_slow
 
 _SMOKE = """
 import lgmd2jax as lgmd, pathlib, sys
@@ -44,6 +44,8 @@ def main(arguments: list[str] | None = None) -> int:
     failed = 0
     with tempfile.TemporaryDirectory() as folder:
         shutil.copytree(ROOT / "stimuli", Path(folder) / "stimuli")
+        for name, text in FILES.items():
+            (Path(folder) / name).write_text(text)
         for name, line in lines.items():
             began = time.monotonic()
             done = subprocess.run(line, cwd=folder, env=environment, capture_output=True, text=True)

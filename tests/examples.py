@@ -9,6 +9,10 @@ BLOCKS: list[tuple[str, str]] = re.findall(
     r"```(\w+)\n(.*?)```", "\n".join(page.read_text(encoding="utf-8") for page in PAGES), flags=re.DOTALL
 )
 PROGRAMS = list(dict.fromkeys(block for language, block in BLOCKS if language == "python"))
+# Files that a page tells to write: a block whose first line is a comment with the file's name alone.
+FILES: dict[str, str] = {
+    name[1]: block for _, block in BLOCKS if (name := re.match(r"# (\w+\.toml)\n", block)) is not None
+}
 _LINES = [line for language, block in BLOCKS if language == "sh" for line in block.splitlines()]
 COMMANDS = list(dict.fromkeys(line for line in _LINES if line.startswith("lgmd2jax ")))
 

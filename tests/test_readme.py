@@ -10,7 +10,7 @@ import tomllib
 import pytest
 
 from lgmd2jax.cli import main
-from tests.examples import BLOCKS, COMMANDS, PROGRAMS, ROOT, is_slow
+from tests.examples import BLOCKS, COMMANDS, FILES, PROGRAMS, ROOT, is_slow
 
 SLOW_PROGRAMS = [pytest.param(it, marks=pytest.mark.slow) if is_slow(it) else it for it in PROGRAMS]
 SLOW_COMMANDS = [pytest.param(it, marks=pytest.mark.slow) if is_slow(it) else it for it in COMMANDS]
@@ -43,10 +43,12 @@ def test_commands_run(command, tmp_path, monkeypatch, capsys):
     place = tmp_path / "clone"
     place.mkdir()
     (place / "stimuli").symlink_to(ROOT / "stimuli")
+    for name, text in FILES.items():
+        (place / name).write_text(text)
     monkeypatch.chdir(place)
     assert main(shlex.split(command)[1:]) == 0, capsys.readouterr().err
     said = capsys.readouterr().out
-    left = [path.name for path in place.iterdir() if path.name != "stimuli"]
+    left = [path.name for path in place.iterdir() if path.name not in ("stimuli", *FILES)]
     if "watch" in command:
         assert "correct on 1 of 1 clips" in said
     else:
@@ -76,7 +78,8 @@ def test_what_runs_in_every_worker_prints_nothing():
 
 def test_there_is_something_to_test():
     assert len(PROGRAMS) == 8
-    assert len(COMMANDS) == 12
+    assert len(COMMANDS) == 14
+    assert list(FILES) == ["rates.toml", "rates_fit.toml"]
 
 
 def test_the_readme_is_short():

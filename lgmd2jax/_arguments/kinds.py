@@ -112,7 +112,7 @@ def _kind_of(part: Any, names: Mapping[str, Any]) -> Kind:
 
 
 def _sequence_of(elements: tuple, names: Mapping[str, Any]) -> Kind:
-    if elements[:1] == (str,):
+    if elements in ((str,), (str, ...)):
         return NAMES
     if elements and typing.get_origin(elements[0]) is Sequence:
         return Kind(_is_sequence, "a list of lists")  # what they hold, their taker knows

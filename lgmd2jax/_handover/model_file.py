@@ -174,8 +174,8 @@ def _kind(name: str, network: type[AbstractNetwork] | None) -> type[AbstractNetw
         return network
     if name not in NETWORKS:
         raise ValueError(
-            f"its network is {name!r}; for one of your own give its class, in Python: load(path, network={name}); "
-            f"commands know the library's own, {', '.join(NETWORKS)}"
+            f"its network is {name!r}; for one of your own give its class, in Python: load(path, network={name}) or "
+            f"load_fit(folder, network={name}); commands know the library's own, {', '.join(NETWORKS)}"
         )
     return NETWORKS[name]
 

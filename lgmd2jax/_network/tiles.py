@@ -28,7 +28,8 @@ def over_tiles(of_tile: Callable[[int | Int[Array, ""], int], OfTile], frames: F
 
     On an accelerator, and where the field is small, it is one tile.
     """
-    rows, row_bytes = frames.shape[1], frames[0, 0].nbytes
+    rows, cols = frames.shape[1:]
+    row_bytes = cols * jnp.promote_types(frames.dtype, jnp.float32).itemsize  # of a map; frames may be whole numbers
     height = rows if jax.default_backend() != "cpu" else tile_height(rows, row_bytes)
     if height == rows:
         return jax.tree.map(lambda leaf: leaf[None], of_tile(0, rows))

@@ -15,6 +15,7 @@ from lgmd2jax._files.atomic import read_json
 from lgmd2jax._files.catalogue import locate
 from lgmd2jax._files.lock import locked
 from lgmd2jax._handover.model_file import load, save
+from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._results.fit_data import DATA, entry_of, holds, source_of_data, write_data
 from lgmd2jax._results.fit_json import content_of, fit_of, plain
 from lgmd2jax._results.posterior_nc import write_posterior
@@ -149,23 +150,31 @@ class FitFolder:
 
 
 @checked
-def load_fit(folder: str | Path, conditions: Sequence[AnyCondition] | None = None) -> Fit:
+def load_fit(
+    folder: str | Path,
+    conditions: Sequence[AnyCondition] | None = None,
+    *,
+    network: type[AbstractNetwork] | None = None,
+) -> Fit:
     """The fit of a result folder or of its fit.json, or of a shipped one by its bare name.
 
     It predicts, compares and plots by itself. What needs stimuli and targets, as profiles and draws do, takes those
     that the folder holds, or renders the protocol that it names, and refuses where they are not those of the fit.
 
-    **Arguments:** `conditions`: in their place, as for `fit`; they must be the same.
+    **Arguments:** `conditions`: in their place, as for `fit`; they must be the same. `network`: the class of a network
+    of your own.
 
     An `UnfinishedWarning` says what is still to come of a fit that was stopped.
 
     **Raises:** `ValueError` for a folder that holds no fit, `FileNotFoundError` where there is none.
     """
-    return load_validated_fit(folder, conditions)[0]
+    return load_validated_fit(folder, conditions, network)[0]
 
 
 def load_validated_fit(
-    folder: str | Path, conditions: Sequence[AnyCondition] | None = None
+    folder: str | Path,
+    conditions: Sequence[AnyCondition] | None = None,
+    network: type[AbstractNetwork] | None = None,
 ) -> tuple[Fit, dict[str, float]]:
     """The fit of `load_fit`, and R2 of each condition that was left out, predicted by a fit to others; {} for none."""
     folder = fit_folder(folder)
@@ -181,7 +190,7 @@ def load_validated_fit(
             check(FIT, content)
         with within("curves.csv"):
             curves = _read_curves(folder / "curves.csv", Observation(**content["observation"]))
-        fit = fit_of(content, load(folder / "model.json"), curves)
+        fit = fit_of(content, load(folder / "model.json", network), curves)
         fit = dataclasses.replace(fit, data=source_of_data(folder, content, conditions))
     warn_if_unfinished(folder, content.get("unfinished", ()))  # an earlier version did not write it
     return fit, {name: math.nan if r2 is None else r2 for name, r2 in content["leave_one_out_r2"].items()}

@@ -9,7 +9,10 @@ from lgmd2jax._trials.header import CONDITIONS, UNIT_IN_BRACKETS, label_in, mill
 from lgmd2jax._trials.reading import Draft, Reading
 
 _PADDING = ("", "nan")  # of columns that are shorter than others
-_CURE = "name each A_lv20_trial3, say, or write rows animal, l_over_v_ms and trial above the times"
+_CURE = (
+    "name each A_lv20_trial3, say, or write rows animal, l_over_v_ms and trial above the times. Columns of firing "
+    "rates are read by a protocol, not here"
+)
 
 
 def drafts_of_columns(table: Columns, reading: Reading, animal: str) -> list[Draft]:

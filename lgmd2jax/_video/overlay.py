@@ -22,7 +22,9 @@ class Overlay:
         self._rows, self._cols = size
         self._levels = model.levels.spikes
         self._band = max(24, self._rows // 4)
-        self._font = ImageFont.load_default(max(9, self._rows // 20))
+        self._font = ImageFont.load_default(max(9, min(size) // 20))
+        self._border = max(2, min(size) // 60)
+        self._inset = 4.0 + self._border  # of the labels, which the border would hide
         self._past: deque[Row] = deque()
 
     def draw(self, frame: Frame, row: Row) -> Picture:
@@ -46,10 +48,10 @@ class Overlay:
                 pen.line([(x, foot - height), (x, foot)], fill=_WHITE)
         short = f"frame {frame.index}"
         full = f"{short}  {frame.time / 1000:.2f} s  SMP {row.smp_adapted:.2f}"
-        self._label(pen, 4.0, full if pen.textlength(full, self._font) < 0.7 * self._cols else short, _BLACK)
+        self._label(pen, self._inset, full if pen.textlength(full, self._font) < 0.7 * self._cols else short, _BLACK)
         if row.collision:
-            pen.rectangle([0, 0, self._cols - 1, foot], outline=_VERMILION, width=max(2, self._rows // 60))
-            self._label(pen, self._cols - 6 - pen.textlength("ALARM", self._font), "ALARM", _VERMILION)
+            pen.rectangle([0, 0, self._cols - 1, foot], outline=_VERMILION, width=self._border)
+            self._label(pen, self._cols - self._inset - pen.textlength("ALARM", self._font), "ALARM", _VERMILION)
         return np.asarray(image)
 
     def _x(self, past: Row, now: Frame) -> float:
@@ -66,6 +68,6 @@ class Overlay:
             pen.line([(x, y), (x + step, y)], fill=_VERMILION)
 
     def _label(self, pen, x: float, text: str, ground: tuple[int, int, int]) -> None:
-        left, top, right, bottom = pen.textbbox((x, 4), text, self._font)
+        left, top, right, bottom = pen.textbbox((x, self._inset), text, self._font)
         pen.rectangle([left - 3, top - 2, right + 3, bottom + 2], fill=ground)
-        pen.text((x, 4), text, _WHITE, self._font)
+        pen.text((x, self._inset), text, _WHITE, self._font)

@@ -9,10 +9,11 @@ import math
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float, ScalarLike
+from jaxtyping import Array, Float
 
 from lgmd2jax._arguments.checked import checked
 from lgmd2jax._network.lgmd2 import LGMD2
+from lgmd2jax._types import Number
 
 NEVER = 0.0  # below every potential: no T_sp raises the alarm
 
@@ -24,7 +25,7 @@ def spikes_for_alarm(model: LGMD2) -> int:
 
 @checked
 @functools.partial(jax.jit, static_argnames=("N_sp", "N_ts"))
-def evidence(u: Float[Array, "*batch time"], sigma_sp: ScalarLike, N_sp: int, N_ts: int) -> Float[Array, "*batch time"]:
+def evidence(u: Float[Array, "*batch time"], sigma_sp: Number, N_sp: int, N_ts: int) -> Float[Array, "*batch time"]:
     """The largest T_sp at which the last N_ts + 1 frames hold N_sp spikes.
 
     A frame gives one spike for U' >= T_sp and another for U' > T_sp + sigma_sp. So N_sp spikes need the N_sp-th largest

@@ -112,7 +112,8 @@ def _misfits(clip: Clip, model: AbstractNetwork) -> Iterator[str]:
 def _summary(options, clip: Clip, trace: Trace, seconds: float) -> Iterator[str]:
     total = len(trace.frame) if clip.repeats is None else len(clip.repeats)
     gaps = np.diff(trace.time_ms)
-    yield f"clip      {options.clip}: {total} frames of {clip.size[0]} x {clip.size[1]} at {clip.fps:.5g} fps"
+    size, seen = (f"{rows} rows x {columns} columns" for rows, columns in (clip.size, clip.shape))
+    yield f"clip      {options.clip}: {total} frames of {size} at {clip.fps:.5g} fps"
     if clip.repeats is not None:
         yield f"repeats   {clip.repeats.sum()} of {total} frames dropped, each {RULE}"
     if clip.regular or np.ptp(gaps) < 1e-6:
@@ -120,7 +121,7 @@ def _summary(options, clip: Clip, trace: Trace, seconds: float) -> Iterator[str]
         yield f"clock     steady: a step of the model is {step:.4g} ms ({1000 / step:.4g} fps)"
     else:
         yield f"clock     the file's time stamps: a step of the model is {gaps.min():.4g} to {gaps.max():.4g} ms"
-    yield f"model     {_model_text(options)}; it sees {clip.shape[0]} x {clip.shape[1]} pixels, grey by ITU-R 601"
+    yield f"model     {_model_text(options)}; it sees {seen}, grey by ITU-R 601"
     before, after = int(np.argmax(trace.smp)), int(np.argmax(trace.smp_adapted))
     yield (
         f"SMP       at most {trace.smp[before]:.3f} ({_moment(trace, before)}), "

@@ -21,10 +21,12 @@ class Residuals(NamedTuple):
     def autocorrelation(self) -> Float[np.ndarray, " sample"]:
         """By lag in samples, 1 at lag 0; NaN where the residuals do not vary."""
         about_mean = self.values - self.values.mean()
-        count, power = len(about_mean), float(about_mean @ about_mean)
-        if power == 0:
+        count = len(about_mean)
+        if about_mean @ about_mean == 0:
             return np.full(count, np.nan)
-        return np.correlate(about_mean, about_mean, "full")[count - 1 :] / power
+        spectrum = np.fft.rfft(about_mean, 2 * count)  # as many zeros follow, lest the end meet the beginning
+        covariance = np.fft.irfft(np.abs(spectrum) ** 2, 2 * count)[:count]
+        return covariance / covariance[0]
 
     @property
     def interval(self) -> float:

@@ -312,3 +312,17 @@ def test_it_runs_as_a_module(tmp_path):
     assert (
         subprocess.run(line, capture_output=True, text=True, check=True).stdout == f"lgmd2jax {version('lgmd2jax')}\n"
     )
+
+
+@pytest.mark.parametrize("arguments", ["", '["looming", "--help"]'])
+def test_only_the_program_itself_spares_what_it_loads_the_search_for_garbage(arguments):
+    program = f"""
+import gc, sys
+from lgmd2jax.cli import main
+sys.argv = ["lgmd2jax", "looming", "--help"]
+try:
+    main({arguments})
+except SystemExit:
+    print(gc.isenabled(), gc.get_freeze_count() > 0)
+"""
+    assert in_a_process(program).stdout.splitlines()[-1] == f"True {not arguments}"

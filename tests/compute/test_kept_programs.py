@@ -34,7 +34,7 @@ class Starts:
 
     def __init__(self, folder):
         self.folder = folder
-        user = {name: value for name, value in os.environ.items() if not name.startswith(("JAX_", "XLA_"))}
+        user = {name: value for name, value in os.environ.items() if not name.startswith(("JAX_", "XLA_", "TF_"))}
         self.environment = user | dict.fromkeys(("XDG_CACHE_HOME", "HOME", "LOCALAPPDATA"), str(folder))
 
     def process(self, program=PROGRAM, **more):

@@ -248,7 +248,7 @@ def test_a_calibration_may_stand_in_it(path):
         (
             lambda content: content.update(network="Mine"),
             "its network is 'Mine'; (this program|for one of your own)",
-            r"its network is 'Mine'; for one of your own give its class, in Python: load\(path, network=Mine\); c",
+            r"its network is 'Mine'; for one of your own give its class, in Python: load\(path, network=Mine\) or l",
         ),
         (
             lambda content: content.update(remark="mine"),

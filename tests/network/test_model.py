@@ -59,7 +59,7 @@ def test_a_state_of_another_structure_is_refused(other):
     """As one from before `at_frame_rate`, which changes how many frames are remembered."""
     model = lgmd.LGMD2(**other)
     state, _ = lgmd.LGMD2().step(lgmd.LGMD2().init(FRAMES[0]), FRAMES[0], 30.0)
-    with pytest.raises(ValueError, match=r"state belongs to a model of another structure; start anew with init\(frame"):
+    with pytest.raises(ValueError, match=r"belongs to a model of another structure; start again with init\(frame"):
         model.step(state, FRAMES[1], 30.0)
     own, _ = model.step(model.init(FRAMES[0]), FRAMES[0], 30.0)
     model.step(own, FRAMES[1], 30.0)

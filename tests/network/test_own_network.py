@@ -79,7 +79,7 @@ def test_derivatives_are_central_differences():
         np.testing.assert_allclose(slopes[..., i], expected, rtol=0, atol=1e-6 * np.abs(expected).max())
 
 
-def test_a_fit_finds_its_truth():
+def test_a_fit_finds_its_truth_and_is_loaded(tmp_path):
     truth = Dimming(DimmingParameters(T_dim=9.0, tau=90.0, k=3.0), lgmd.Soft(), eye=EYE)
     conditions = [(each, lgmd.ModelTarget(model=truth, channel="smp")) for each in looms()]
     free = lgmd.Free(T_dim=None, tau=None, k=None)
@@ -88,6 +88,12 @@ def test_a_fit_finds_its_truth():
     assert isinstance(fit.model, Dimming)
     assert fit.values == pytest.approx({"T_dim": 9.0, "tau": 90.0, "k": 3.0}, rel=1e-5)
     assert "T_dim" in fit.summary()
+    lgmd.save_fit(fit, tmp_path / "own")
+    loaded = lgmd.load_fit(tmp_path / "own", network=Dimming)
+    assert isinstance(loaded.model, Dimming)
+    assert loaded.values == pytest.approx(fit.values)
+    with pytest.raises(ValueError, match=r"its network is 'Dimming'; .* load_fit\(folder, network=Dimming\)"):
+        lgmd.load_fit(tmp_path / "own")
     with pytest.raises(ValueError, match="free parameter is 'T_s'; choose"):
         lgmd.fit(SOFT, conditions, lgmd.Free(T_s=None), key=jax.random.key(0))
 

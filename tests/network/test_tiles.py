@@ -82,3 +82,16 @@ def test_a_pixel_that_is_not_a_number_shows_in_whichever_tile_it_is(in_fours):
 )
 def test_the_height_of_a_tile(rows, cols, expected):
     assert tiles.tile_height(rows, 4 * cols) == expected
+
+
+@pytest.mark.parametrize("levels", [jnp.uint8, jnp.int16, jnp.float32])
+def test_frames_of_any_kind_have_tiles_of_one_height(levels):
+    """The maps of a tile are floats, however little room the frames take."""
+    heights = []
+
+    def of_tile(first, height):
+        heights.append(height)
+        return jnp.zeros(())
+
+    tiles.over_tiles(of_tile, jnp.zeros((2, 240, 320), levels))
+    assert set(heights) == {48}

@@ -21,3 +21,21 @@ def test_the_overlay_draws_on_pictures_of_any_size():
             assert drawn.shape == picture.shape
         assert (picture == 200).all()
         assert len(overlay._past) <= 4000 / 33 + 2
+
+
+def test_the_border_of_an_alarm_hides_no_label():
+    """In a film that is held upright too, where the sides are short."""
+    for rows, cols in ((1080, 1920), (1920, 1080)):
+        overlay = Overlay((rows, cols), lgmd.LGMD2())
+        picture = np.full((rows, cols, 3), 200, np.uint8)
+        quiet, alarm = (
+            overlay.draw(
+                Frame(i, i * 33.0, 33.0, ImagePixels(picture, 255.0), picture[..., 0] * 1.0, False),
+                Row(i, i * 33.0, 0.0, 0.0, 0.9, 0.9, 0, i),
+            )
+            for i in (0, 1)
+        )
+        in_label = (quiet == 0).all(axis=-1)[: rows // 2]  # its black ground
+        border = (alarm == alarm[0, 0]).all(axis=-1)[: rows // 2, : cols // 2]
+        assert in_label.any()
+        assert not (in_label[:, : cols // 2] & border).any()
