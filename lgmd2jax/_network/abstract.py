@@ -1,4 +1,4 @@
-"""What networks have in common: a clip, a frame at a time, and the checks at the border to their users."""
+"""What networks have in common: the response to a clip, and a frame at a time."""
 
 import abc
 import dataclasses
@@ -18,13 +18,14 @@ from lgmd2jax._arguments.checked import checked_names
 from lgmd2jax._channels import RESPONSE, Description
 from lgmd2jax._compute.traced_once import traced_once
 from lgmd2jax._eye import Eye
+from lgmd2jax._network.given import as_pixels, check_record, positive, warn_of_levels
 from lgmd2jax._network.parameter_set import ParameterSet, check_domains, declared
 from lgmd2jax._network.stages import AbstractCell, AbstractPixels, Interval, Levels, Record, Response, Sums
 from lgmd2jax._network.structure import structure_fields
 from lgmd2jax._network.thresholds import Thresholds
 from lgmd2jax._types import Number, cast, is_concrete, unless_nan
 from lgmd2jax._words import warn
-from lgmd2jax.hard import BRIGHTEST, SECONDS
+from lgmd2jax.hard import SECONDS
 
 Neuron = Literal["LGMD2", "LGMD1"]
 
@@ -168,13 +169,13 @@ class AbstractNetwork(eqx.Module):
 
         **Raises:** `ValueError` for a wrong shape, and for concrete values that are not finite or out of their domain.
         """
-        frames = _as_pixels(frames, "frames", "(time, row, col)", rank=3)
+        frames = as_pixels(frames, "frames", "(time, row, col)", rank=3)
         if len(frames) < 2:
             count = "one frame" if len(frames) else "0 frames"
             raise ValueError(f"frames holds {count}; the network sees changes, so give at least 2")
         if is_concrete(frames):
-            _warn_of_levels(np.asarray(frames))
-        _check_record(record)
+            warn_of_levels(np.asarray(frames))
+        check_record(record)
         lasts = self._interval(fps, interval, (len(frames),))
         check_domains(self.parameters)
         self._check_conflicts()
@@ -189,9 +190,9 @@ class AbstractNetwork(eqx.Module):
 
         **Raises:** `ValueError` for a wrong shape.
         """
-        frame = _as_pixels(frame, "frame", "(row, col)", rank=2)
+        frame = as_pixels(frame, "frame", "(row, col)", rank=2)
         if is_concrete(frame):
-            _warn_of_levels(np.asarray(frame))
+            warn_of_levels(np.asarray(frame))
         rows, cols = frame.shape
         frame = frame.astype(self._dtype_for(frame))
         return State(_in(self.pixels, frame.dtype).rest(frame), self._cell_for(frame).rest(), (rows, cols))
@@ -219,12 +220,12 @@ class AbstractNetwork(eqx.Module):
 
         **Raises:** `ValueError` as for a call, and for a frame of another size than the state's.
         """
-        frame = _as_pixels(frame, "frame", "(row, col)", rank=2)
+        frame = as_pixels(frame, "frame", "(row, col)", rank=2)
         if not isinstance(state, State):
             raise ValueError(f"state is {state!r:.40}; give the one that init or the last step returned")
         if frame.shape != state.shape:
             raise ValueError(f"frame has shape {frame.shape}, the state {state.shape}; start again with init(frame)")
-        _check_record(record)
+        check_record(record)
         lasts = self._interval(fps, interval, ())
         state, response = _advance(self, state, frame, lasts, record)
         return state, self._checked(response, lasts, check)
@@ -259,7 +260,7 @@ class AbstractNetwork(eqx.Module):
         if interval is not None:
             if fps is not None:
                 raise ValueError("fps and interval are both given; give the one that is known")
-            interval = _positive(interval, "interval", "ms", shape)
+            interval = positive(interval, "interval", "ms", shape)
             if is_concrete(interval) and SECONDS[0] < (usual := float(np.median(interval))) < SECONDS[1]:
                 warn(f"interval is {usual:.4g} ms; was {1000 * usual:.4g} ms meant, given in s?")
             return interval
@@ -267,7 +268,7 @@ class AbstractNetwork(eqx.Module):
             if self.eye is None:
                 raise ValueError("fps is missing; give it, or a model with an eye")
             fps = self.eye.fps
-        interval = 1000 / _positive(fps, "fps", "frames per second", ())
+        interval = 1000 / positive(fps, "fps", "frames per second", ())
         if is_concrete(fps) and fps < 1:
             warn(f"fps is {fps:.4g}; were {1 / fps:.4g} meant, given as an interval in s?")
         if self.eye is not None and is_concrete(fps) and abs(fps / self.eye.fps - 1) > 0.01:
@@ -353,50 +354,3 @@ def _opaque(tree):
     """
     arrays, rest = eqx.partition(tree, eqx.is_array)
     return eqx.combine(jax.tree.map(jax.lax.optimization_barrier, arrays), rest)
-
-
-def _as_pixels(frames, name: str, shape: str, rank: int) -> Array:
-    """Frames as an array of JAX's, their shape and dtype checked."""
-    if isinstance(frames, np.ma.MaskedArray):
-        raise ValueError(f"{name} is masked; fill what is masked with a grey level first: {name}.filled(128)")
-    if isinstance(frames, np.ndarray):
-        frames = frames.astype(frames.dtype.newbyteorder("="), copy=False)  # as the files of some instruments are not
-    try:
-        frames = jnp.asarray(frames)
-    except (TypeError, ValueError):
-        what = f"has dtype {frames.dtype}" if isinstance(frames, np.ndarray) else f"is {frames!r:.40}"
-        raise ValueError(f"{name} {what}; give an array of grey levels as {shape}") from None
-    if frames.ndim != rank:
-        raise ValueError(f"{name} has shape {frames.shape}; give grey levels as {shape}")
-    if min(frames.shape[-2:]) < 3:
-        raise ValueError(f"{name} has shape {frames.shape}; the lateral spread needs at least 3 rows and 3 columns")
-    if not jnp.issubdtype(frames.dtype, jnp.integer) and frames.dtype not in (jnp.float32, jnp.float64):
-        raise ValueError(f"{name} has dtype {frames.dtype}; give integers, float32 or float64")
-    return frames
-
-
-def _check_record(record: object) -> None:
-    if not (record is None or callable(record)):
-        raise ValueError(f"record is {record!r:.60}; give a function of the layers, such as lambda layers: layers.s")
-
-
-def _warn_of_levels(frames: np.ndarray) -> None:
-    """Warn of frames that are hardly meant in grey levels 0..255."""
-    lowest, highest = frames.min(), frames.max()
-    if -1 <= lowest < highest <= 1:
-        span = "0..1" if lowest >= 0 else "-1..1"
-        warn(f"frames lie in {span}; were grey levels in 0..255 meant? Give black as 0 and white as 255")
-    elif BRIGHTEST < highest < np.inf:
-        warn(f"frames reach {highest:g}; grey levels lie in 0..255: multiply by 255 over what is white")
-
-
-def _positive(value, name: str, unit: str, shape: tuple[int, ...]) -> Array:
-    """A strong array, so that another value does not compile again; checked where it is concrete."""
-    of = f"{shape[0]} positive numbers" if shape else "a positive number"
-    of_units = any(hasattr(each, "units") for each in (value if isinstance(value, (list, tuple)) else [value]))
-    other = of_units or np.shape(value) != shape  # numpy would drop a unit
-    if other or (not isinstance(value, jax.Array) and np.asarray(value).dtype.kind not in "iuf"):
-        raise ValueError(f"{name} is {value!r:.60}; give {of} of {unit}")
-    if is_concrete(value) and not np.all((np.asarray(value) > 0) & np.isfinite(value)):
-        raise ValueError(f"{name} is {value!r:.60}; give {of} of {unit}")
-    return jnp.asarray(value, dtype=float)

@@ -9,7 +9,6 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
@@ -24,6 +23,7 @@ from lgmd2jax._network.thresholds import Hard, Soft, StraightThrough
 from lgmd2jax._targets.observation import Observation, observation_symbols
 from lgmd2jax._types import check_key, strong
 from lgmd2jax._words import nearest
+from lgmd2jax.fitting._choice import chosen_candidate
 from lgmd2jax.fitting._conditions import AnyCondition, Rendered, render
 from lgmd2jax.fitting._curve import Curve, curve_of, rest_of
 from lgmd2jax.fitting._free import Free
@@ -43,7 +43,6 @@ from lgmd2jax.stimuli import Stimulus
 if TYPE_CHECKING:
     from distributed import Client
 
-_SHARES = (0.25, 0.5, 0.75, 1.0)  # of the way from the start to the end of a descent, among which a score chooses
 _LOUD = 0.5  # of the inhibiting FFI; noise that reaches it takes part of the response away
 _APART = 0.02  # in the unit box; starts closer to a better one are not descended
 
@@ -155,7 +154,7 @@ def fit(
     # All that is known of the best point: its curves, and how well they determine it.
     z, value, choice = np.array(runs[0].z), runs[0].loss, {}
     if choose is not None and not stopped:
-        z, value, choice = _chosen(problem, start, runs, choose)
+        z, value, choice = chosen_candidate(problem, start, runs, choose)
         if not np.array_equal(z, runs[0].z):
             result = "chosen by its score"
     slopes = sensitivity_at(problem, jax.device_put(z), strong(temperatures[-1]))
@@ -242,32 +241,6 @@ def _apart(screened: Mapping[int, Result], count: int) -> list[int]:
         if len(chosen) == count:
             break
     return chosen
-
-
-def _chosen(
-    problem: Problem, start: Float[np.ndarray, " free"], runs: Sequence[Run], choose: Callable[[AbstractNetwork], float]
-) -> tuple[Float[np.ndarray, " free"], float, dict[str, Any]]:
-    """The candidate with the highest score, its loss, and what the choice was between."""
-    ends = [np.array(run.z) for run in runs]
-    candidates = [start, *(start + share * (end - start) for end in ends for share in _SHARES)]
-    losses = [float(_hard_loss(problem, jax.device_put(z))) for z in candidates]
-    scores = [_score(choose(problem.at(z)[0])) for z in candidates]
-    best = max(range(len(candidates)), key=lambda i: (scores[i], -losses[i]))
-    least = int(np.argmin(losses))
-    choice = {"candidates": len(candidates), "score": scores[best]}
-    choice |= {"least_loss": losses[least], "score_of_least_loss": scores[least]}
-    return candidates[best], losses[best], {"choice": choice}
-
-
-def _score(score: Any) -> float:
-    if not (isinstance(score, (int, float, np.generic, np.ndarray, jax.Array)) and np.isfinite(score).all()):
-        raise ValueError(f"choose returned {score!r:.60}; let it return a finite number, higher for a better model")
-    return float(score)
-
-
-@traced_once
-def _hard_loss(problem: Problem, z: Float[Array, " free"]) -> Float[Array, ""]:
-    return 0.5 * jnp.square(problem.residuals(z, None)).sum()
 
 
 def _not_run(point: Result) -> Run:
