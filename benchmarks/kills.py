@@ -7,8 +7,9 @@ python -m benchmarks.kills --signal SIGINT        by one signal alone
 
 Each trial begins with earlier results of the same kind in place, or with none. After the kill every file must be the
 earlier one, the new one, or part of a folder that is marked unfinished and loads; then the command is run again to its
-end, and all of its files must be those of an undisturbed run: to the byte, but for videos. A SIGINT may come when all
-is written, so that the exit status is 0; a command that goes on for longer than a moment after it has lost it.
+end, and all of its files must be those of an undisturbed run: to the byte, but for videos. Where a SIGINT comes when
+all is written, the exit status is 0, and all files must be there; a command that goes on for longer than a moment after
+it has lost it.
 """
 
 import argparse
@@ -122,6 +123,8 @@ class Study:
         if process.exitcode not in (0, 130, -signal.SIGKILL):
             faults.append(f"exit status {process.exitcode}: {self._log.read_text()[-300:]!r}")
         files, earlier = files_of(folder), self._earlier if with_earlier else {}
+        if pid is not None and process.exitcode == 0 and files != self._whole:
+            faults.append("exit status 0, but not all is written")
         faults += faults_of_kill(files, folder, earlier, self._whole)
         unfinished = json.loads(files.get("results/fit.json", b'{"unfinished": []}'))["unfinished"]
         what += f", {len(files)} files" + (f", {len(unfinished)} parts unfinished" if unfinished else "")

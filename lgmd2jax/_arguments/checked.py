@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from lgmd2jax._arguments.kinds import NAMES, Kind, kinds_of
+from lgmd2jax._arguments.units import has_unit
 from lgmd2jax._words import nearest
 
 Checked = TypeVar("Checked", bound=Callable)
@@ -95,6 +96,8 @@ def _has_elements(value: Any) -> bool:
 def _shown(value: Any) -> str:
     if isinstance(value, type):
         return f"the class {value.__name__}"
+    if has_unit(value):
+        return " ".join(f"{value!r:.60}".split())
     if hasattr(value, "dtype") and np.ndim(value):
         return f"an array of {value.dtype} with shape {value.shape}"
     text = repr(value)

@@ -16,6 +16,7 @@ import jaxtyping
 import numpy as np
 from typing_extensions import TypeAliasType
 
+from lgmd2jax._arguments.units import has_unit
 from lgmd2jax._types import Key
 
 
@@ -141,7 +142,7 @@ def _are_names(value: Any) -> bool:
 
 def _is_number(value: Any, kinds: str = "iufV") -> bool:
     """Also one that JAX traces."""
-    if isinstance(value, (bool, str)):
+    if isinstance(value, (bool, str)) or has_unit(value):
         return False
     dtype = getattr(value, "dtype", None)
     return isinstance(value, (int, float)) or (np.ndim(value) == 0 and getattr(dtype, "kind", "none") in kinds)
@@ -155,8 +156,8 @@ def _is_array(value: Any) -> bool:
     """Numbers, or lists of them. What is within lists is looked at where they become an array."""
     dtype = getattr(value, "dtype", None)
     if dtype is None:
-        return _is_sequence(value)
-    return np.ndim(value) > 0 and getattr(dtype, "kind", "f") in "iufbV"  # V is bfloat16's
+        return _is_sequence(value) and not has_unit(value)
+    return not has_unit(value) and np.ndim(value) > 0 and getattr(dtype, "kind", "f") in "iufbV"  # V is bfloat16's
 
 
 _NUMBER = Kind(_is_number, "a number")

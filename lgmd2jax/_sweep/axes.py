@@ -13,10 +13,10 @@ import numpy as np
 from jaxtyping import Array
 from typing_extensions import TypeAliasType
 
+from lgmd2jax._arguments.units import has_unit
 from lgmd2jax._eye import Eye
 from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.parameters import symbols
-from lgmd2jax._targets.units import has_unit
 from lgmd2jax._types import is_concrete
 from lgmd2jax._words import nearest
 from lgmd2jax.stimuli import FAMILIES, Stimulus

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from lgmd2jax._arguments.checked import checked
+from lgmd2jax._arguments.units import has_unit
 from lgmd2jax._channels import Channel
 from lgmd2jax._targets.target import Target, check_channel
 from lgmd2jax.stimuli import Stimulus
@@ -47,6 +48,8 @@ class Band:
 
     def __post_init__(self):
         check_channel(self.channel)
+        if has_unit(self.segments_ms):
+            raise ValueError(f"segments_ms is {self.segments_ms!r:.60}; give plain numbers of ms")
         if not _follow_each_other(self._segments):
             raise ValueError(f"segments_ms is {self.segments_ms}; give [start, end] of each in ms, one after the other")
         for number, (low, high) in enumerate(zip(self._edge("low"), self._edge("high"), strict=True), start=1):

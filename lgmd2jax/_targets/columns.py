@@ -14,8 +14,8 @@ from pathlib import Path
 
 import numpy as np
 
+from lgmd2jax._arguments.units import size_of
 from lgmd2jax._files.atomic import check_file
-from lgmd2jax._targets.units import size_of
 from lgmd2jax._words import nearest
 
 Where = Mapping[str, str | float | int]

@@ -7,11 +7,11 @@ from collections.abc import Collection, Mapping, Sequence
 import numpy as np
 
 from lgmd2jax._arguments.checked import checked
+from lgmd2jax._arguments.units import Duration, size_of
 from lgmd2jax._channels import Channel
 from lgmd2jax._targets.columns import Columns, Where, read_columns
 from lgmd2jax._targets.spike_trains import Likelihood, SpikeTrains
 from lgmd2jax._targets.target import Target
-from lgmd2jax._targets.units import size_of
 from lgmd2jax._words import warn
 
 _IN_BRACKETS = re.compile(r"[(\[]\s*([^()\[\]]+?)\s*[)\]]\s*$")
@@ -75,7 +75,7 @@ def read_target(
 def read_spike_trains(
     path: str | os.PathLike,
     *,
-    kernel_ms: float | int = 20.0,
+    kernel_ms: Duration = 20.0,
     likelihood: Likelihood = "normal",
     animal: str = "animal",
     trial: str = "trial",

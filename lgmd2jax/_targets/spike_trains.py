@@ -10,10 +10,10 @@ from jaxtyping import Array, Float
 from scipy.special import ndtr
 
 from lgmd2jax._arguments.checked import checked
+from lgmd2jax._arguments.units import Duration, duration, times
 from lgmd2jax._targets.clock import doubt, share_inside
 from lgmd2jax._targets.gaussian_sum import gaussian_sum
 from lgmd2jax._targets.target import Target
-from lgmd2jax._targets.units import duration, times
 from lgmd2jax._words import nearest, warn
 from lgmd2jax.stimuli import Stimulus
 
@@ -48,7 +48,7 @@ class SpikeTrains:
     """
 
     trials: Trials
-    kernel_ms: float | int = 20.0
+    kernel_ms: Duration = 20.0
     likelihood: Likelihood = "normal"
     animals: Sequence[str] | None = dataclasses.field(default=None, compare=False)
 
@@ -86,7 +86,7 @@ class SpikeTrains:
 
 
 @checked
-def spike_rate(trials: Trials, time: Float[np.ndarray, " time"], kernel_ms: float | int = 20.0) -> Target:
+def spike_rate(trials: Trials, time: Any, kernel_ms: Duration = 20.0) -> Target:
     """The firing rate: a Gaussian on every spike, mean over animals of the means over trials.
 
     The recordings are taken to reach over `time` and over all spikes, no further: kernels that overlap an end of it are
@@ -127,7 +127,7 @@ def spike_rate(trials: Trials, time: Float[np.ndarray, " time"], kernel_ms: floa
     return Target("rate", rate, time=time, sem=sem, correlation_ms=correlation_ms, interpolate=True, sem_rule=rule)
 
 
-def spike_counts(trials: Trials, time: Float[np.ndarray, " time"], kernel_ms: float | int = 20.0) -> Target:
+def spike_counts(trials: Trials, time: Float[np.ndarray, " time"], kernel_ms: Duration = 20.0) -> Target:
     """The spikes of all trials in bins around times, as counts that a Poisson likelihood weighs.
 
     Each bin reaches half-way to its neighbours. The standard error of a bin, which is drawn and sets the scale of a

@@ -9,9 +9,9 @@ import numpy as np
 from jaxtyping import Float
 
 from lgmd2jax._arguments.checked import checked
+from lgmd2jax._arguments.units import duration, levels, times
 from lgmd2jax._channels import TARGETS, Channel
 from lgmd2jax._targets.clock import doubt, share_inside
-from lgmd2jax._targets.units import duration, levels, times
 from lgmd2jax._words import nearest
 from lgmd2jax.stimuli import Stimulus
 

@@ -3,8 +3,8 @@
 import itertools
 from collections.abc import Sequence
 
+from lgmd2jax._arguments.units import size_of
 from lgmd2jax._targets.columns import Columns
-from lgmd2jax._targets.units import size_of
 from lgmd2jax._trials.header import CONDITIONS, UNIT_IN_BRACKETS, label_in, milliseconds, role_of, speeds_in_ms, split
 from lgmd2jax._trials.reading import Draft, Reading
 

@@ -3,8 +3,8 @@
 import re
 from collections.abc import Mapping, Sequence
 
+from lgmd2jax._arguments.units import size_of
 from lgmd2jax._targets.columns import Columns
-from lgmd2jax._targets.units import size_of
 
 # Names in lower case, words joined by "_", without their unit; the likelier before the others.
 ROLES: Mapping[str, tuple[str, ...]] = {

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from lgmd2jax._arguments.units import has_unit, times
 from lgmd2jax._compute.cluster import need
-from lgmd2jax._targets.units import has_unit, times
 from lgmd2jax._trials.cells import cell_of
 from lgmd2jax._trials.header import ROLES, label_in, role_of, speeds_in_ms, split
 from lgmd2jax._trials.reading import Draft, Reading, cut, one_of

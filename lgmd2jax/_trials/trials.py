@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from lgmd2jax._arguments.checked import checked
+from lgmd2jax._arguments.units import Duration
 from lgmd2jax._targets.spike_trains import Likelihood, SpikeTrains
 from lgmd2jax._trials.peak_line import LoomingEstimate, estimate
 from lgmd2jax._trials.trial import Condition, Trial, natural, told
@@ -80,7 +81,7 @@ class Trials:
         return Trials(left, self.remarks)
 
     @checked
-    def spike_trains(self, kernel_ms: float | int = 20.0, likelihood: Likelihood = "normal") -> SpikeTrains:
+    def spike_trains(self, kernel_ms: Duration = 20.0, likelihood: Likelihood = "normal") -> SpikeTrains:
         """These trials as a target of a fit, by animal; choose one condition by `where` before."""
         by_animal = {animal: [] for animal in self.animals}
         for trial in self.trials:

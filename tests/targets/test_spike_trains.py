@@ -227,7 +227,7 @@ def test_files_that_are_none_are_refused(tmp_path, text, message):
         ([[np.arange(40) % 9 == 0]], 20, r"trials\[0\]\[0\] holds 40 times 0 or 1, as a raster does; give the spikes'"),
         ([[[0, 0, 1, 0, 1]]], 20, r"trials\[0\]\[0\] holds 5 times 0 or 1, as a raster does"),
         ([[np.array([1.0, 2.0 + 1j])]], 20, r"trials\[0\]\[0\] is array.*; give times in ms"),
-        ([[[1.0]]], "20", "kernel_ms is '20'; give a number"),
+        ([[[1.0]]], "20", "kernel_ms is '20' ms; give a positive number"),
         ([[[1.0]]], 0, "kernel_ms is 0 ms; give a positive number"),
         ([[[1.0]]], np.nan, "kernel_ms is nan"),
     ],

@@ -11,7 +11,8 @@ import pytest
 import quantities as pq
 import xarray
 
-from lgmd2jax._targets.units import duration, has_unit, levels, times
+import lgmd2jax as lgmd
+from lgmd2jax._arguments.units import duration, has_unit, levels, times
 
 REGISTRY = pint.UnitRegistry()
 SECONDS, MS = np.array([0.01, 0.02, 0.5]), np.array([10.0, 20.0, 500.0])
@@ -150,3 +151,25 @@ def test_what_numpy_would_drop_is_known():
         assert not has_unit(values)
     for values in (1 * pq.ms, [1 * pq.ms], pd.Timedelta("1s"), [pd.Timestamp("2026-01-01")], np.array([1], "m8[s]")):
         assert has_unit(values)
+
+
+TAKES_PLAIN_NUMBERS = {
+    "from_ms": lambda value: lgmd.Weighted(lgmd.Rest(), from_ms=value),
+    "correlation_ms": lambda value: lgmd.Weighted(lgmd.Rest(), correlation_ms=value),
+    "decay_ms": lambda value: lgmd.Onset(peak=0.8, decay_ms=value),
+    "segments_ms": lambda value: lgmd.Band(segments_ms=[[0, value]], low=0.5, high=0.6),
+    "low": lambda value: lgmd.Band(low=[value], high=[0.9]),
+    "start_ms": lambda value: lgmd.Trial("a", "1", {}, np.zeros(1), start_ms=value, end_ms=1.0),
+    "spikes_ms": lambda value: lgmd.Trial("a", "1", {}, np.ones(3) * value, start_ms=0.0, end_ms=1.0),
+    "within_ms": lambda value: lgmd.alarms.fit_urgency(lgmd.LGMD2(), [], within_ms=value),
+    "duration_ms": lambda value: lgmd.alarms.Rendering(3, duration_ms=value),
+}
+
+
+@pytest.mark.usefixtures("untyped")
+@pytest.mark.parametrize("value", [0.2 * pq.s, 0.2 * pint.UnitRegistry().s, pd.Timedelta(0.2, "s")], ids=str)
+@pytest.mark.parametrize("name", TAKES_PLAIN_NUMBERS)
+def test_a_unit_is_not_dropped_where_it_is_not_converted(name, value):
+    """A number of quantities is an array of NumPy's to which 0.2 s were 0.2."""
+    with pytest.raises(ValueError, match=rf"^{name}\b.* is .*; give"):
+        TAKES_PLAIN_NUMBERS[name](value)

@@ -7,6 +7,7 @@ import datetime
 from typing import Any, Literal
 
 import numpy as np
+from typing_extensions import TypeAliasType
 
 Unit = Literal["ms", "Hz", "1"]
 
@@ -27,6 +28,10 @@ _WORDS: dict[Unit, dict[str, float]] = {
 }
 _BRIAN: dict[Unit, tuple[str, float]] = {"ms": ("second", 1e3), "Hz": ("second ** -1", 1.0), "1": ("Dimension()", 1.0)}
 _KINDS = {"m": "durations", "M": "dates"}
+
+
+# A time in ms, or with a unit of its own, of which `duration` makes one in ms.
+Duration = TypeAliasType("Duration", Any)
 
 
 def times(values: Any, name: str) -> np.ndarray:
