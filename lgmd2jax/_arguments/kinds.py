@@ -116,6 +116,9 @@ def _sequence_of(elements: tuple, names: Mapping[str, Any]) -> Kind:
         return NAMES
     if elements and typing.get_origin(elements[0]) is Sequence:
         return Kind(_is_sequence, "a list of lists")  # what they hold, their taker knows
+    if len({*elements} - {...}) > 1:  # what the unlike parts are, their taker knows
+        count = len(elements)
+        return Kind(lambda value: isinstance(value, tuple) and len(value) == count, f"a tuple of {count} parts")
     within = _elements(elements, names)
     return Kind(_is_sequence, "a list of numbers" if _NUMBER in within else "a list", elements=within)
 

@@ -10,10 +10,11 @@ examples:
   lgmd2jax export dcmd --python robot           the shipped fit dcmd: writes robot/model.json and robot/hard.py
   lgmd2jax export mine/model.json --python .    one of your own, into the current folder
   lgmd2jax export preset:lgmd2 --python robot   the paper's parameters
-  lgmd2jax export lgmd2 --c robot --rows 72 --cols 99 --degrees-per-pixel .7 --fps 30
+  lgmd2jax export lgmd2 --c firmware --rows 72 --cols 99 --degrees-per-pixel .7 --fps 30
                                                 C99 for a camera of this size, field and rate
-  lgmd2jax export lgmd2 --c robot --ram 196608  C99 for the model's own eye, if it fits into 192 KB
-  lgmd2jax export video --c robot --protocol robot --clip crash.mp4
+  lgmd2jax export lgmd2 --c firmware --ram 196608
+                                                C99 for the model's own eye, if it fits into 192 KB
+  lgmd2jax export video --c firmware --protocol robot --clip crash.mp4
                                                 and the gap to the hard model on these stimuli and a clip
   lgmd2jax export video --ros lgmd2             a ROS 2 package: images in, alarm and urgency out
 
