@@ -46,10 +46,11 @@ class Eye:
     projection: Literal["equidistant", "pinhole"] = "equidistant"
 
     def __post_init__(self):
+        for name in ("rows", "cols", "degrees_per_pixel", "fps"):
+            if isinstance(number := getattr(self, name), np.generic):  # of a table, say
+                object.__setattr__(self, name, number.item())
         for name in ("rows", "cols"):
             size = getattr(self, name)
-            if isinstance(size, np.integer):  # of another array's shape in a table, say
-                object.__setattr__(self, name, size := int(size))
             if not isinstance(size, int) or isinstance(size, bool) or size < 3:
                 raise ValueError(f"{name} is {size!r}; an eye has a whole number of at least 3 {name}")
         for name, unit in (("degrees_per_pixel", "degrees"), ("fps", "frames per second")):

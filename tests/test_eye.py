@@ -77,7 +77,7 @@ def test_eyes_are_equal_by_value_and_can_key_a_cache():
 
 @pytest.mark.usefixtures("untyped")
 def test_sizes_may_be_numbers_of_numpy():
-    eye = Eye(np.int64(40), np.uint16(60), 1.5, 100.0)  # pyright: ignore[reportArgumentType]
+    eye = Eye(np.int64(40), np.uint16(60), np.float32(1.5), np.float64(100))  # pyright: ignore[reportArgumentType]
     assert eye == EQUIDISTANT
     assert type(eye.rows) is int
 
