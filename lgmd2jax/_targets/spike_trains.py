@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal, get_args
 import numpy as np
 from jaxtyping import Array, Float
 from scipy.special import ndtr
+from typing_extensions import TypeAliasType
 
 from lgmd2jax._arguments.checked import checked
 from lgmd2jax._arguments.units import Duration, duration, times
@@ -18,7 +19,9 @@ from lgmd2jax._words import nearest, warn
 from lgmd2jax.stimuli import Stimulus
 
 Trial = Sequence[float | int] | Array | np.ndarray
-Trials = Annotated[Sequence[Sequence[Trial]], "for each animal a list of trials, as [[[10, 20]]]"]
+Trials = TypeAliasType(
+    "Trials", Annotated[Sequence[Sequence[Trial]], "for each animal a list of trials, as [[[10, 20]]]"]
+)
 Likelihood = Literal["normal", "poisson"]
 
 _COARSE = 10  # standard deviations of the kernel between two samples, from which spikes fall between them
