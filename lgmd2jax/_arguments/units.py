@@ -31,7 +31,7 @@ _KINDS = {"m": "durations", "M": "dates"}
 
 
 # A time in ms, or with a unit of its own, of which `duration` makes one in ms.
-Duration = TypeAliasType("Duration", Any)
+Duration = TypeAliasType("Duration", float | int | Any)
 
 
 def times(values: Any, name: str) -> np.ndarray:

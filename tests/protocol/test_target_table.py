@@ -124,7 +124,7 @@ MISTAKES = [
     (FILE | {"law": "rest"}, "give one of file, spikes, law, model as its source"),
     ({"file": 3}, "file = 3: must be a text; column is missing; add it; channel is missing"),
     (FILE | {"file": "no.csv"}, "file = 'no.csv': cannot be read: No such file"),
-    (FILE | {"file": "."}, "file = '.': cannot be read: Is a directory"),
+    (FILE | {"file": "."}, "file = '.': cannot be read: .* is a folder; give a file"),
     ({"file": "targets/curve.csv", "channel": "rate"}, "column is missing"),
     ({"file": "targets/curve.csv", "column": "rate"}, "channel is missing"),
     (FILE | {"colum": "rate"}, "colum = 'rate': unknown key; did you mean 'column'"),
