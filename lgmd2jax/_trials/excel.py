@@ -2,6 +2,7 @@
 
 import re
 import zipfile
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -52,14 +53,15 @@ def sheets_of(path: Path, decimal: str = ".") -> list[tuple[str, Columns]]:
 
 def _check_formulas(values: Any, formulas: Any) -> None:
     """Refuse formulas whose values the file does not hold, as of a program that computes none: they look like empty."""
-    rows = zip(values.iter_rows(values_only=True), formulas.iter_rows(values_only=True), strict=False)
-    for number, (row, written) in enumerate(rows, start=1):
-        for value, text in zip(row, written, strict=False):
-            if value is None and isinstance(text, str) and text.startswith("="):
-                raise ValueError(
-                    f"row {number} of the sheet {values.title!r} holds the formula {text!r:.40} without its value; "
-                    "open the file in Excel and save it"
-                )
+    # Rows that nobody reads to the end keep the file open until they are closed.
+    with closing(values.iter_rows(values_only=True)) as shown, closing(formulas.iter_rows(values_only=True)) as written:
+        for number, cells in enumerate(zip(shown, written, strict=False), start=1):
+            for value, text in zip(*cells, strict=False):
+                if value is None and isinstance(text, str) and text.startswith("="):
+                    raise ValueError(
+                        f"row {number} of the sheet {values.title!r} holds the formula {text!r:.40} without its value; "
+                        "open the file in Excel and save it"
+                    )
 
 
 def _with_point(cell: Any) -> Any:

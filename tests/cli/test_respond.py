@@ -6,6 +6,7 @@ import re
 import xml.etree.ElementTree
 
 import imageio.v3 as iio
+import jax
 import jax.numpy as jnp
 import matplotlib as mpl
 import numpy as np
@@ -26,8 +27,8 @@ from tests.videos import damaged, write_video
 av = pytest.importorskip("av", reason="reading video needs the extra 'video'")
 
 SVG = "{http://www.w3.org/2000/svg}"
-# Frame by frame and over a whole clip are two programs, which may add the pixels of float32 in another order.
-ROUNDING = 4 * float(np.finfo(np.float32).eps)
+# Since JAX 0.12 frame by frame and over a whole clip the pixels of float32 may be added in another order.
+ROUNDING = 0.0 if jax.__version_info__ < (0, 12) else 4 * float(np.finfo(np.float32).eps)
 COLUMNS = ["frame", "time_ms", "mp", "ffi", "smp", "smp_adapted", "spikes", "collision"]
 
 
@@ -113,7 +114,7 @@ def test_it_writes_the_table_and_the_figure_and_says_so(folder, tmp_path, capsys
     assert {row["collision"] for row in rows} == {"0", "1"}
     assert {row["spikes"] for row in rows} == {"0", "1", "2"}
     whole = lgmd.LGMD2()(jnp.stack([jnp.asarray(grey(picture)) for picture in loom()]), 30.0)
-    np.testing.assert_allclose([float(row["smp"]) for row in rows], whole.smp, rtol=ROUNDING)
+    np.testing.assert_allclose([float(row["smp"]) for row in rows], whole.smp, rtol=ROUNDING + 1e-8)
     said = capsys.readouterr().out
     peak = int(np.argmax(whole.smp))
     alarm = np.flatnonzero(whole.collision)
@@ -236,7 +237,7 @@ def test_a_model_file_is_used_and_another_frame_rate_warned_of(folder, tmp_path,
     lgmd.save(lgmd.LGMD2(lgmd.Parameters(k=0.5), eye=eye), tmp_path / "model.json")
     assert main(["respond", str(folder), "--fps", "30", "--model", str(tmp_path / "model.json")]) == 0
     whole = lgmd.LGMD2(lgmd.Parameters(k=0.5))(jnp.stack([jnp.asarray(grey(picture)) for picture in loom()]), 30.0)
-    np.testing.assert_allclose([float(row["smp"]) for row in table("loom.csv")], whole.smp, rtol=ROUNDING)
+    np.testing.assert_allclose([float(row["smp"]) for row in table("loom.csv")], whole.smp, rtol=ROUNDING + 1e-8)
     assert capsys.readouterr().err == "lgmd2jax: warning: the model belongs to 100 fps, the clip has 30\n"
 
 

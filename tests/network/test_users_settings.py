@@ -1,4 +1,4 @@
-"""To the bit also as users compile: conftest leaves most of XLA's optimisations out, they do not."""
+"""Stream and clip agree also as users compile: conftest leaves most of XLA's optimisations out, they do not."""
 
 import os
 import subprocess
@@ -30,17 +30,20 @@ for network in (
         for name in channels:
             values = [np.asarray(getattr(each, name)) for each in (now, again)]
             values += [np.asarray(getattr(each, name))[t] for each in (clip, within)]
-            assert all(value == values[0] for value in values), (type(network).__name__, name, t, values)
+            apart = max(abs(float(value) - float(values[0])) for value in values)
+            assert apart <= ROUNDING * abs(float(values[0])), (type(network).__name__, name, t, values)
 """
+ROUNDING = 0.0 if jax.__version_info__ < (0, 12) else 2.0**-22  # since JAX 0.12 a loop may add in another order
 
 
 @pytest.mark.skipif(
     jax.__version_info__ < (0, 10, 2), reason="before 0.10.2 JAX rounded a sum in a loop otherwise, by the last bit"
 )
-def test_stream_clip_and_jit_agree_to_the_bit():
-    """In single precision. With the flags of the command line sums may round otherwise in a loop than outside of it."""
+def test_stream_clip_and_jit_agree():
+    """In single precision, to the bit before JAX 0.12. With the flags of the command line sums may round otherwise in a loop than outside of it."""
     names = ("XLA_FLAGS", "JAX_ENABLE_X64", "JAX_DISABLE_MOST_OPTIMIZATIONS")
     environment = {name: value for name, value in os.environ.items() if name not in names}
     environment |= {"PYTHONPATH": str(ROOT), "JAX_PLATFORMS": "cpu"}
-    ran = subprocess.run([sys.executable, "-c", PROGRAM], env=environment, capture_output=True, text=True, check=False)
+    line = [sys.executable, "-c", f"ROUNDING = {ROUNDING}{PROGRAM}"]
+    ran = subprocess.run(line, env=environment, capture_output=True, text=True, check=False)
     assert ran.returncode == 0, ran.stderr[-2000:]
