@@ -40,7 +40,10 @@ ROUNDING = 0.0 if jax.__version_info__ < (0, 12) else 2.0**-22  # since JAX 0.12
     jax.__version_info__ < (0, 10, 2), reason="before 0.10.2 JAX rounded a sum in a loop otherwise, by the last bit"
 )
 def test_stream_clip_and_jit_agree():
-    """In single precision, to the bit before JAX 0.12. With the flags of the command line sums may round otherwise in a loop than outside of it."""
+    """In single precision, to the bit before JAX 0.12.
+
+    With the flags of the command line sums may round otherwise in a loop than outside of it.
+    """
     names = ("XLA_FLAGS", "JAX_ENABLE_X64", "JAX_DISABLE_MOST_OPTIMIZATIONS")
     environment = {name: value for name, value in os.environ.items() if name not in names}
     environment |= {"PYTHONPATH": str(ROOT), "JAX_PLATFORMS": "cpu"}
