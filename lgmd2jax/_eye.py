@@ -59,8 +59,6 @@ class Eye:
                 continue
             if not (isinstance(number, (int, float)) and math.isfinite(number) and number > 0):
                 raise ValueError(f"{name} is {number!r}; give a positive number of {unit}")
-        if self.projection not in PROJECTIONS:
-            raise ValueError(f"projection is {self.projection!r}; choose {nearest(self.projection, PROJECTIONS)}")
         if self.fps < 1:
             warn(f"fps is {self.fps:.4g}; were {1 / self.fps:.4g} frames per second meant, given as an interval in s?")
 

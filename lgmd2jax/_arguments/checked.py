@@ -3,7 +3,7 @@
 import functools
 import inspect
 from collections.abc import Callable, Mapping
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import numpy as np
 
@@ -32,20 +32,41 @@ def checked(function: Checked) -> Checked:
 
 def checked_names(function: Checked) -> Checked:
     """The function, which refuses arguments that it does not take; of what kind they are, it looks at by itself."""
-    return _checked(function, function.__name__, kinds=False)
-
-
-def _checked(function: Callable, name: str, kinds: bool = True) -> Any:
-    signature = inspect.signature(function)
+    signature, plain = inspect.signature(function), cast(Any, function)
 
     @functools.wraps(function)
     def call(*args, **kwargs):
         try:
-            given = signature.bind(*args, **kwargs).arguments
-        except TypeError as error:
-            raise ValueError(_misfit(name, signature, kwargs, error)) from None
-        for argument, value in given.items() if kinds else ():
-            _check(argument, value, signature.parameters[argument], function)
+            return plain(*args, **kwargs)
+        except TypeError:  # looked at only now, since a step of a model is called for every frame
+            bound(plain.__name__, signature, args, kwargs)
+            raise
+
+    return cast(Any, call)
+
+
+def bound(
+    name: str, signature: inspect.Signature, args: tuple[Any, ...], kwargs: Mapping[str, Any]
+) -> inspect.BoundArguments:
+    """The arguments of a call, as `inspect.Signature.bind` gives them.
+
+    **Raises:** `ValueError` with the nearest name for one that is not taken, and for one too many or too few.
+    """
+    try:
+        return signature.bind(*args, **kwargs)
+    except TypeError as error:
+        raise ValueError(_misfit(name, signature, kwargs, error)) from None
+
+
+def _checked(function: Callable, name: str) -> Any:
+    signature = inspect.signature(function)
+
+    @functools.wraps(function)
+    def call(*args, **kwargs):
+        kinds = kinds_of(function)
+        for argument, value in bound(name, signature, args, kwargs).arguments.items():
+            if argument in kinds:
+                _check(value, signature.parameters[argument], kinds[argument])
         return function(*args, **kwargs)
 
     return call
@@ -59,13 +80,10 @@ def _misfit(name: str, signature: inspect.Signature, kwargs: Mapping[str, Any], 
     return f"{name}: {error}"
 
 
-def _check(name: str, value: Any, parameter: inspect.Parameter, function: Callable) -> None:
-    kinds = kinds_of(function).get(name, ())
-    if not kinds:
-        return
-    values = {name: value}
+def _check(value: Any, parameter: inspect.Parameter, kinds: tuple[Kind, ...]) -> None:
+    values = {parameter.name: value}
     if parameter.kind is parameter.VAR_POSITIONAL:
-        values = {f"{name}[{place}]": each for place, each in enumerate(value)}
+        values = {f"{parameter.name}[{place}]": each for place, each in enumerate(value)}
     elif parameter.kind is parameter.VAR_KEYWORD:
         values = value
     for place, each in values.items():

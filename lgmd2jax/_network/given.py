@@ -5,6 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array
 
+from lgmd2jax._arguments.units import has_unit
 from lgmd2jax._types import is_concrete
 from lgmd2jax._words import warn
 from lgmd2jax.hard import BRIGHTEST
@@ -48,8 +49,7 @@ def warn_of_levels(frames: np.ndarray) -> None:
 def positive(value, name: str, unit: str, shape: tuple[int, ...]) -> Array:
     """A strong array, so that another value does not compile again; checked where it is concrete."""
     of = f"{shape[0]} positive numbers" if shape else "a positive number"
-    of_units = any(hasattr(each, "units") for each in (value if isinstance(value, (list, tuple)) else [value]))
-    other = of_units or np.shape(value) != shape  # numpy would drop a unit
+    other = has_unit(value) or np.shape(value) != shape
     if other or (not isinstance(value, jax.Array) and np.asarray(value).dtype.kind not in "iuf"):
         raise ValueError(f"{name} is {value!r:.60}; give {of} of {unit}")
     if is_concrete(value) and not np.all((np.asarray(value) > 0) & np.isfinite(value)):

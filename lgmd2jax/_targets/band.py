@@ -9,7 +9,7 @@ import numpy as np
 from lgmd2jax._arguments.checked import checked
 from lgmd2jax._arguments.units import has_unit
 from lgmd2jax._channels import Channel
-from lgmd2jax._targets.target import Target, check_channel
+from lgmd2jax._targets.target import Target
 from lgmd2jax.stimuli import Stimulus
 
 Number = float | int
@@ -47,7 +47,6 @@ class Band:
     quote: str = ""
 
     def __post_init__(self):
-        check_channel(self.channel)
         if has_unit(self.segments_ms):
             raise ValueError(f"segments_ms is {self.segments_ms!r:.60}; give plain numbers of ms")
         if not _follow_each_other(self._segments):

@@ -11,7 +11,7 @@ from lgmd2jax._arguments.checked import checked
 from lgmd2jax._channels import Channel
 from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._targets.observation import Observation
-from lgmd2jax._targets.target import Target, check_channel
+from lgmd2jax._targets.target import Target
 from lgmd2jax._types import Key, check_key
 from lgmd2jax.stimuli import Stimulus
 
@@ -41,7 +41,6 @@ class ModelTarget:
     key: Key | None = None
 
     def __post_init__(self):
-        check_channel(self.channel)
         if (self.observation is None) == (self.channel == "rate"):
             wanted = "needs an observation" if self.channel == "rate" else "takes no observation; that is for 'rate'"
             raise ValueError(f"channel is {self.channel!r}, which {wanted}")

@@ -7,16 +7,15 @@ import numpy as np
 
 from lgmd2jax._arguments.checked import checked
 from lgmd2jax._channels import TARGETS, Channel
-from lgmd2jax._targets.target import Target, check_channel
+from lgmd2jax._targets.target import Target
 from lgmd2jax.stimuli import Stimulus
 
 
 def resting(channel: Channel, rest: float | int | None) -> float:
     """The value at rest, in the unit of the channel: `rest` where it is given, else the network's own.
 
-    **Raises:** `ValueError` for an unknown channel, and for a rate whose rest is not given.
+    **Raises:** `ValueError` for a rate whose rest is not given, and for a rest that is not finite.
     """
-    check_channel(channel)
     value = TARGETS[channel].rest if rest is None else float(rest)
     if value is None:
         raise ValueError(f"rest is missing; a {channel} has no resting value of its own, so give it")

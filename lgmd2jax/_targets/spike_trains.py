@@ -3,7 +3,7 @@
 import dataclasses
 import math
 from collections.abc import Iterable, Sequence
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from jaxtyping import Array, Float
@@ -59,10 +59,6 @@ class SpikeTrains:
         object.__setattr__(self, "kernel_ms", _kernel(self.kernel_ms))
         object.__setattr__(self, "trials", _nested(self.trials))
         count = len(_animals(self.trials))
-        if self.likelihood not in get_args(Likelihood):
-            raise ValueError(
-                f"likelihood is {self.likelihood!r}; choose {nearest(self.likelihood, get_args(Likelihood))}"
-            )
         names = [str(number) for number in range(1, count + 1)] if self.animals is None else list(self.animals)
         if len(names) != count or len(set(names)) < count:
             raise ValueError(f"animals is {names}; give {count} different names, one for each animal of the trials")

@@ -10,9 +10,8 @@ from jaxtyping import Float
 
 from lgmd2jax._arguments.checked import checked
 from lgmd2jax._arguments.units import duration, levels, times
-from lgmd2jax._channels import TARGETS, Channel
+from lgmd2jax._channels import Channel
 from lgmd2jax._targets.clock import doubt, share_inside
-from lgmd2jax._words import nearest
 from lgmd2jax.stimuli import Stimulus
 
 _OFF_FRAME = 0.01  # of a frame, by which times may miss the frames: what rounding in a CSV file does
@@ -86,7 +85,6 @@ class Target(eqx.Module):
     exposure: Float[np.ndarray, " time"] | None = eqx.field(default=None, converter=partial(_optional, name="exposure"))
 
     def __check_init__(self):
-        check_channel(self.channel)
         if self.values.ndim != 1 or not self.values.size:
             raise ValueError(f"values has shape {self.values.shape}; give a number for each time")
         for name in ("values", "time", "sem", "error", "weight", "upper", "exposure"):
@@ -266,12 +264,6 @@ class Target(eqx.Module):
                 f"the target has a value at {self.time[first]:g} ms where the stimulus has a frame at "
                 f"{frames[first]:g} ms; set interpolate = true to move it onto the frames"
             )
-
-
-def check_channel(channel: str) -> None:
-    """Raise `ValueError` for a channel that a response does not have."""
-    if channel not in TARGETS:
-        raise ValueError(f"channel is {channel!r}; choose {nearest(channel, TARGETS)}")
 
 
 def check_correlation(correlation_ms: float | int) -> None:

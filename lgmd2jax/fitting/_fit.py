@@ -22,14 +22,13 @@ from lgmd2jax._network.noise import inhibition_in_noise
 from lgmd2jax._network.thresholds import Hard, Soft, StraightThrough
 from lgmd2jax._targets.observation import Observation, observation_symbols
 from lgmd2jax._types import check_key, strong
-from lgmd2jax._words import nearest
 from lgmd2jax.fitting._choice import chosen_candidate
 from lgmd2jax.fitting._conditions import AnyCondition, Rendered, render
 from lgmd2jax.fitting._curve import Curve, curve_of, rest_of
 from lgmd2jax.fitting._free import Free
 from lgmd2jax.fitting._problem import Curves, Problem, chi2_residuals, problem_of
 from lgmd2jax.fitting._result import Fit
-from lgmd2jax.fitting._robust import LOSSES, Loss
+from lgmd2jax.fitting._robust import Loss
 from lgmd2jax.fitting._run import Run
 from lgmd2jax.fitting._search.descent import FINAL, STOPPED, Solver
 from lgmd2jax.fitting._search.search import TEMPERATURES, Search, check_counts
@@ -114,7 +113,7 @@ def fit(
     free.check_used_by(model)
     temperatures = _temperatures(model, temperatures)
     counts = {"pixel_points": pixel_points, "cell_points": cell_points, "descend": descend, "max_steps": max_steps}
-    _check(pairs, free, loss, counts)
+    _check(pairs, free, counts)
     problem = problem_of(model, observation, free, pairs, loss)
     samples = problem.samples()
     if samples < len(free):
@@ -216,9 +215,7 @@ def _temperatures(model: AbstractNetwork, temperatures) -> tuple[float, ...]:
     return temperatures
 
 
-def _check(pairs: Sequence[Rendered], free: Free, loss: str, counts: dict[str, int]) -> None:
-    if loss not in LOSSES:
-        raise ValueError(f"loss is {loss!r}; choose {nearest(loss, LOSSES)}")
+def _check(pairs: Sequence[Rendered], free: Free, counts: dict[str, int]) -> None:
     check_counts(counts, at_least=1)
     targets = [target for _, targets in pairs for target in targets]
     of_rate = [name for name in free.names if name in observation_symbols()]

@@ -19,9 +19,8 @@ from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._protocol.condition import Condition
 from lgmd2jax._signals import vertex
 from lgmd2jax._targets.observation import Observation
-from lgmd2jax._targets.target import Target, check_channel
+from lgmd2jax._targets.target import Target
 from lgmd2jax._types import Key, check_key
-from lgmd2jax._words import nearest
 from lgmd2jax.fitting._free import Free
 from lgmd2jax.fitting._problem import Problem, problem_of
 from lgmd2jax.stimuli import Stimulus
@@ -142,9 +141,6 @@ def as_simulator(
 
     **Raises:** `ValueError` for no stimuli, both kinds of noise, trials of another channel than the rate, and as `fit`.
     """
-    check_channel(channel)
-    if isinstance(summaries, str) and summaries not in SUMMARIES:
-        raise ValueError(f"summaries is {summaries!r}; choose {nearest(summaries, SUMMARIES)}, or give a function")
     if trials is not None and (noise is not None or channel != "rate" or trials < 1):
         raise ValueError("trials is for the channel 'rate', 1 or more, without other noise; give one kind of noise")
     if noise is not None and not (math.isfinite(noise) and noise > 0):

@@ -12,9 +12,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from lgmd2jax._arguments.checked import bound
 from lgmd2jax._eye import Eye
 from lgmd2jax._types import Scalar, Times
-from lgmd2jax._words import nearest
 from lgmd2jax.stimuli._stimulus import Sketch, Stimulus
 from lgmd2jax.stimuli._units import units_of
 
@@ -36,7 +36,6 @@ _ALTERNATIVES = (
     ("spatial_frequency", "cycles"),
 )
 _WINDOW = {"start_ms", "end_ms"}
-_CHOICES = 5  # arguments that a message offers
 _NUMBERS = (int, float, np.number, np.ndarray, jax.Array)
 
 
@@ -53,11 +52,7 @@ def family(describe: Callable[P, Sketch]) -> Callable[P, Stimulus]:
 
     @functools.wraps(describe)
     def render(*args: P.args, **kwargs: P.kwargs) -> Stimulus:
-        for name in kwargs:
-            if name not in signature.parameters:
-                known = nearest(name, list(signature.parameters)[1:], _CHOICES)
-                raise ValueError(f"{describe.__name__} takes no {name!r}; choose {known}")
-        arguments = _without_replaced_defaults(signature.bind(*args, **kwargs))
+        arguments = _without_replaced_defaults(bound(describe.__name__, signature, args, kwargs))
         if not isinstance(arguments["eye"], Eye):
             raise ValueError(f"eye is {arguments['eye']!r:.60}; give an Eye")
         with jax.ensure_compile_time_eval():

@@ -6,7 +6,6 @@ import re
 import xml.etree.ElementTree
 
 import imageio.v3 as iio
-import jax
 import jax.numpy as jnp
 import matplotlib as mpl
 import numpy as np
@@ -22,13 +21,12 @@ from lgmd2jax._video.snapshots import Snapshot
 from lgmd2jax._video.trace import Rows, Trace
 from lgmd2jax.cli import main
 from lgmd2jax.cli.respond import responses
+from tests.clips import ROUNDING
 from tests.videos import damaged, write_video
 
 av = pytest.importorskip("av", reason="reading video needs the extra 'video'")
 
 SVG = "{http://www.w3.org/2000/svg}"
-# Since JAX 0.12 frame by frame and over a whole clip the pixels of float32 may be added in another order.
-ROUNDING = 0.0 if jax.__version_info__ < (0, 12) else 4 * float(np.finfo(np.float32).eps)
 COLUMNS = ["frame", "time_ms", "mp", "ffi", "smp", "smp_adapted", "spikes", "collision"]
 
 

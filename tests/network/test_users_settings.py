@@ -8,6 +8,8 @@ from pathlib import Path
 import jax
 import pytest
 
+from tests.clips import ROUNDING
+
 ROOT = Path(__file__).parents[2]
 PROGRAM = """
 import equinox as eqx, jax, numpy as np, lgmd2jax as lgmd
@@ -33,7 +35,6 @@ for network in (
             apart = max(abs(float(value) - float(values[0])) for value in values)
             assert apart <= ROUNDING * abs(float(values[0])), (type(network).__name__, name, t, values)
 """
-ROUNDING = 0.0 if jax.__version_info__ < (0, 12) else 2.0**-22  # since JAX 0.12 a loop may add in another order
 
 
 @pytest.mark.skipif(
