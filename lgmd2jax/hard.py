@@ -73,10 +73,10 @@ class Response(NamedTuple):
     """What the cell does in a frame, or an array over the frames of a clip.
 
     `mp` in grey levels; `ffi` likewise, with size-coding inhibition the share of the field that changed recently;
-    `smp` before and `smp_adapted` after adaptation, in [.5, 1); `spikes` 0, 1 or 2; `collision` the alarm.
+    `smp` before and `smp_adapted` after adaptation, in [.5, 1); `spikes` 0, 1 or 2; `collision` the alarm, 0 or 1.
     `mp_sides` and `f_sides`: the shares of the left, centre and right third of the columns in MP, and in F, which `ffi`
     follows; they tell where to turn. `urgency`: the probability of contact within the time that the hand-over file
-    names, NaN where that has no calibration. A hand-over file has no such channels.
+    names, NaN where that has no calibration. The test vector of a hand-over file states none of these last three.
     """
 
     mp: Any
@@ -158,7 +158,7 @@ class HardLGMD2:
         return Response.over_time(now)
 
     def step(self, frame: np.ndarray, interval: float | None = None) -> Response:
-        """One frame.
+        """The response to one frame.
 
         **Arguments:** `frame` of (row, col) in grey levels 0..255; `interval` in ms since the last frame, by default
         1000/fps.

@@ -104,15 +104,27 @@ def declares(
     of_field: bool = False,
     mechanism: str | None = None,
 ):
-    """The metadata of a field that is a parameter, for `equinox.field`."""
+    """The metadata of a field that is a parameter, for `equinox.field`.
+
+    ```python
+    class Mine(lgmd.ParameterSet):
+        tau: Float[Array, ""] = eqx.field(
+            default=60.0,
+            converter=lgmd.scalar,
+            metadata=lgmd.declares("time constant of the cell", "ms", "(0, inf)", (10.0, 300.0), "a guess", "log"),
+        )
+    ```
+
+    **Arguments:** the fields of a `Symbol`, which says what each means.
+    """
     return {"symbol": Symbol(meaning, unit, domain, bounds, source, scale, stage, per_frame, of_field, mechanism)}
 
 
 class ParameterSet(eqx.Module):
     """Parameters of a network that declare themselves: one floating scalar each, so the whole is a pytree of leaves.
 
-    A network's own is a subclass: each field is a parameter that declares itself by `equinox.field(default=...,
-    converter=scalar, metadata=declares(...))`.
+    A network of your own has a subclass: each field is a parameter that declares itself by `equinox.field(default=...,
+    converter=scalar, metadata=declares(...))`; `declares` has an example.
 
     **Raises:** `ValueError` for a value outside its domain, when the value is concrete (not traced).
     """

@@ -24,7 +24,17 @@ class PixelState(eqx.Module):
 class Layers(eqx.Module):
     """The maps of one frame, in grey levels, for `record` to choose from.
 
-    `f` is the map whose mean is F: abs(P), or with size-coding inhibition M, how much of late a pixel changed.
+    ```python
+    response = model(frames, fps, record=lambda layers: layers.s)
+    response.recorded                                           # S of every frame: (time, row, col)
+    ```
+
+    - `p`: P, the change of luminance with its persistence (eq. 1).
+    - `on`, `off`: the two pathways (eqs 2, 3); `d_on`, `d_off`: the same, delayed (eq. 4).
+    - `s_on`, `s_off`: the local sums of each pathway (eq. 7). `s`: S, both together (eq. 8).
+    - `s_gated`: S', what passes T_s (eq. 9). `g`: its 3x3 mean (eq. 10).
+    - `f`: the map whose mean is F: abs(P) (eq. 13), or with size-coding inhibition M, from 0 to 1, how much a pixel
+      changed of late.
     """
 
     p: Map
