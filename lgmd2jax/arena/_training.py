@@ -66,6 +66,7 @@ class Range:
     def __post_init__(self):
         check_bounds("range", self.low, self.high, "log" if self.log else "linear")
 
+    @checked
     def at(self, share: Float[np.ndarray, " candidate"]) -> Float[np.ndarray, " candidate"]:
         """The values at shares 0..1 of the range."""
         if self.whole:
@@ -90,7 +91,7 @@ class Space:
     model: str | None
     ranges: Mapping[str, Range]
 
-
+    @checked
     def detector(self, settings: Mapping[str, float]) -> FrameDifference | NetworkDetector:
         """The detector with these settings, by name.
 
