@@ -24,7 +24,7 @@ def recorded(light: Float[np.ndarray, "time row col"], shot: Shot) -> UInt8[np.n
 
     **Raises:** `ValueError` without PyAV.
     """
-    contrast, middle = shot.log(1.2, 2.2), shot.between(80, 110)
+    contrast, middle = shot.log(1.2, 2.2), min(shot.between(80, 110), float(light.mean()))
     flicker = shot.log(3e-4, 2e-3) if shot.often(0.5) else 0.0
     beat = np.sin(2 * np.pi * shot.between(0.5, 12) * shot.time)
     gain = _exposure(light.mean(axis=(1, 2)), shot) * (1 + flicker * beat)

@@ -13,6 +13,7 @@ Moving = Course | float | int
 Range = tuple[float | int, float | int]
 _BEHIND = -50.0  # m: where an object is that is not seen
 _AFTER_MS = 70.0  # of a collision that are still shown: the first jolt
+_WAY = 3.0  # m: a camera that goes less far meets no shadow
 _CAR = 1.8, 1.5  # m, width and height
 
 
@@ -44,9 +45,9 @@ def _film(shot: Shot, camera: Camera, things: list[Thing], left: Course | None =
     **Arguments:** `left`: until contact, by which the camera is thrown about; none by default.
     """
     night = shot.often(0.1)
-    light = shot.log(0.08, 0.3) if night else shot.log(0.75, 1.3)
+    light = shot.log(0.12, 0.4) if night else shot.log(0.75, 1.3)
     indoors = changes.pop("indoors", shot.often(0.2))
-    wall_at = (shot.log(2, 7), -shot.log(2, 7)) if indoors else (shot.log(7, 50), -shot.log(7, 50))
+    wall_at = (shot.log(2, 7), -shot.log(2, 7)) if indoors else (shot.log(8, 60), -shot.log(8, 60))
     values = {
         "wall_at": wall_at,
         "wall_tall": shot.log(2.5, 20) if shot.often(0.75) else 0.01,
@@ -55,19 +56,18 @@ def _film(shot: Shot, camera: Camera, things: list[Thing], left: Course | None =
         "sky": shot.between(5, 25) if night else shot.between(120, 240),
         "light": light,
         "beam": shot.between(0.5, 1.5) if night else 0.0,
-        "shade_from": 1e5,
-        "shade_to": 1e5 + 1,
-        "shade": shot.between(0.3, 0.7),
+        **_shade(shot, camera),
         "lamps": shot.between(150, 400) if night and shot.often(0.7) else 0.0,
         "haze": shot.log(60, 800),
         "bonnet": 0.0,
+        "bonnet_level": shot.log(10, 90),
     } | changes
     every = (things + [Thing(0.0, 0.0, _BEHIND, 1.0, 1.0, _look(shot))] * OBJECTS)[:OBJECTS]
     scene = Scene(
         objects=_objects(every, night),
-        ground=_surface(shot, (50, 120), (0.1, 0.35), (0.3, 2.0)),
-        wall=_surface(shot, (40, 130), (0.25, 0.65), (0.4, 3.0)),
-        far=_surface(shot, (40, 150), (0.2, 0.6), (0.08, 0.3)),
+        ground=_surface(shot, (50, 120), (0.06, 0.25), (0.5, 3.0)),
+        wall=_surface(shot, (40, 130), (0.1, 0.4), (0.8, 6.0)),
+        far=_surface(shot, (40, 150), (0.15, 0.5), (0.15, 0.6)),
         **{name: _single(value) for name, value in values.items()},
     )
     if left is not None:
@@ -78,6 +78,13 @@ def _film(shot: Shot, camera: Camera, things: list[Thing], left: Course | None =
     )
     motion = Motion(camera, right, height, ahead)
     return Film(scene, motion, np.full_like(shot.time, np.inf) if left is None else left)
+
+
+def _shade(shot: Shot, camera: Camera) -> dict[str, float]:
+    """A shadow on the camera's way, of a bridge or of trees; most often none."""
+    way = float(camera.ahead[-1] - camera.ahead[0])
+    start = shot.between(0, way) if way > _WAY and shot.often(0.35) else 1e5
+    return {"shade_from": start, "shade_to": start + shot.log(2, 20), "shade": shot.between(0.3, 0.7)}
 
 
 def _surface(shot: Shot, level: Range, contrast: Range, grain: Range) -> Surface:
@@ -106,10 +113,10 @@ def _single(values: Any) -> np.ndarray:
 
 def _look(shot: Shot, dark: float = 0.6, lamps: float = 0.9, size: float = 1.5, **changes: Any) -> dict[str, float]:
     """How a thing looks: how often it is dark, how often lamps are lit at night, and its size in m, for its pattern."""
-    level = shot.between(8, 60) if shot.often(dark) else shot.between(60, 240)
+    level = shot.between(25, 85) if shot.often(dark) else shot.between(85, 190)
     return {
         "level": level,
-        "contrast": shot.between(0.2, 0.6),
+        "contrast": shot.between(0.25, 0.6),
         "grain": size * shot.log(0.15, 0.6),
         "pattern": int(shot.chance.integers(len(patterns()))),
         "shape": shot.log(4, 12),
@@ -161,12 +168,12 @@ def _jolted(shot: Shot, camera: Camera, left: Course) -> Camera:
 
 def _in_a_vehicle(shot: Shot, ahead: Moving, yaw: Moving = 0.0) -> Camera:
     """A camera behind a windscreen."""
-    height, pitch, shake = shot.log(0.9, 1.8), shot.between(-6, 4), shot.log(0.02, 0.2)
+    height, pitch, shake = shot.log(0.9, 1.8), shot.between(-6, 4), shot.log(0.03, 0.25)
     return _camera(shot, height, ahead, yaw=yaw, pitch=pitch, shake=shake)
 
 
 def _bonnet(shot: Shot) -> float:
-    return shot.between(0.05, 0.25) if shot.often(0.4) else 0.0
+    return shot.between(0.05, 0.35) if shot.often(0.5) else 0.0
 
 
 def _course(shot: Shot, speed: Moving) -> Course:
@@ -293,12 +300,8 @@ def _drive(shot: Shot) -> Film:
         at = shot.between(10, 60)
         tall = shot.between(0.5, 1.2)
         things.append(Thing(0.0, shot.between(4.5, 6) + tall, at, 25.0, tall, _look(shot, lamps=0.0, size=4.0)))
-    changes: dict[str, float] = {}
-    if shot.often(0.3):
-        start = shot.between(5, 60)
-        changes = {"shade_from": start, "shade_to": start + shot.log(2, 20)}
     things += _traffic(shot, 3)
-    return _film(shot, camera, things, None, bonnet=_bonnet(shot), **changes)
+    return _film(shot, camera, things, None, bonnet=_bonnet(shot))
 
 
 def _passing_by(shot: Shot) -> Film:

@@ -26,7 +26,6 @@ _BLURRED = 7  # times: from no texel to all of them
 _GRAINS = 8  # that make a pattern
 _PER_PHOTOGRAPH = 4  # patterns
 _FAR = 1e4  # m
-_BONNET = 12.0  # grey level
 _UNDERSIDE = -0.6  # of an object's half-height: below it lies its own shadow
 
 
@@ -83,9 +82,9 @@ class Scene(eqx.Module):
     - `wall_at`: m to the right and left of the middle. `wall_tall`: m. `far`: the picture behind, up to `skyline`.
     - `lines`: grey levels of the road's markings. `sky`: grey level.
     - `light`: what lights everything; `beam`: what the camera's own lamps add, up to some 15 m ahead.
-    - `shade_from`, `shade_to`: m ahead between which the ground lies in a shadow that leaves the share `shade`.
+    - `shade_from`, `shade_to`: m ahead between which everything lies in a shadow that leaves the share `shade`.
     - `lamps`: grey levels of street lamps. `haze`: m at which the sky's level has replaced most of a surface's.
-    - `bonnet`: share of the field's height, from below, that a part of the vehicle covers.
+    - `bonnet`: share of the field's height, from below, that a part of the vehicle covers; `bonnet_level`: grey level.
     """
 
     objects: Objects
@@ -105,6 +104,11 @@ class Scene(eqx.Module):
     lamps: Float[Array | np.ndarray, ""]
     haze: Float[Array | np.ndarray, ""]
     bonnet: Float[Array | np.ndarray, ""]
+    bonnet_level: Float[Array | np.ndarray, ""]
+
+    def shaded(self, ahead: Float[Array, "*place"]) -> Float[Array, "*place"]:
+        """The share of the light that reaches places so many m ahead."""
+        return jnp.where((ahead > self.shade_from) & (ahead < self.shade_to), self.shade, 1.0)
 
 
 def draw(eye: Eye, scene: Scene, motion: Motion) -> Float[np.ndarray, "time row_and_finer col_and_finer"]:
@@ -161,7 +165,8 @@ def _draw(eye: Eye, motion: Motion, scene: Scene) -> Float[Array, "time row col"
 
     def frame(now: Motion):
         level = _frame(scene, now, _turned(rays, now.camera), pixel, atlas)
-        return jnp.where(from_below < scene.bonnet, _BONNET * scene.light, level)
+        bonnet = scene.bonnet_level * scene.light * scene.shaded(now.camera.ahead)
+        return jnp.where(from_below < scene.bonnet, bonnet, level)
 
     return jax.lax.map(frame, motion)
 
@@ -180,18 +185,17 @@ def _frame(scene: Scene, now: Motion, rays, pixel, atlas) -> Map:
     camera, (dx, dy, dz) = now.camera, rays
     level = _backdrop(scene, rays, pixel, atlas)
 
-    def lit(level, reach, shade: Map | float = 1.0):
-        """A surface at a distance, by the light and in the haze."""
+    def lit(level, reach, ahead):
+        """A surface at a distance, by the light that reaches it so far ahead, and in the haze."""
         reach = jnp.clip(reach, 0, _FAR)
-        own = level * (scene.light * shade + scene.beam * jnp.exp(-reach / 12))
+        own = level * (scene.light * scene.shaded(ahead) + scene.beam * jnp.exp(-reach / 12))
         return scene.sky + (own - scene.sky) * jnp.exp(-reach / scene.haze)
 
     down = jnp.where(dy < -1e-3, -camera.height / jnp.minimum(dy, -1e-3), _FAR)
     x, z = camera.right + down * dx, camera.ahead + down * dz
     ground = _pattern(scene.ground, x, z, pixel * down / jnp.maximum(-dy, 0.05), atlas)
     ground = jnp.maximum(ground, scene.lines * _markings(x, z, pixel * down))
-    in_shade = (z > scene.shade_from) & (z < scene.shade_to)
-    level = jnp.where(dy < -1e-3, lit(ground, down, jnp.where(in_shade, scene.shade, 1.0)), level)
+    level = jnp.where(dy < -1e-3, lit(ground, down, z), level)
 
     reach_before = jnp.where(dy < -1e-3, down, _FAR)
     for side in (0, 1):
@@ -200,7 +204,7 @@ def _frame(scene: Scene, now: Motion, rays, pixel, atlas) -> Map:
         wall = _pattern(scene.wall, along, height, pixel * reach / jnp.maximum(jnp.abs(dx), 0.05), atlas)
         glow = scene.lamps * _street_lamps(along, height, pixel * reach)
         seen = (reach > 0.1) & (reach < reach_before)
-        level = jnp.where(seen & (height < scene.wall_tall), lit(wall, reach), level)
+        level = jnp.where(seen & (height < scene.wall_tall), lit(wall, reach, along), level)
         level = jnp.where(seen, jnp.maximum(level, glow), level)
 
     from_far = jnp.argsort(-now.ahead)
@@ -230,7 +234,7 @@ def _with_object(objects: Objects, now: Motion, i, rays, pixel, atlas, behind, l
     cover = jnp.where(reach > 0.02, jnp.clip((1 - outline) * sharp + 0.5, 0, 1), 0)
     own = jax.tree.map(lambda leaf: leaf[i], objects.surface)
     level = _pattern(own, u * width, v * tall, pixel * reach, atlas)
-    level = lit(level * jnp.where(v < _UNDERSIDE, objects.underside[i], 1.0), reach)
+    level = lit(level * jnp.where(v < _UNDERSIDE, objects.underside[i], 1.0), reach, now.ahead[i])
     radius = jnp.maximum(0.12, pixel * reach)
     apart = jnp.hypot(jnp.abs(u) * width - 0.75 * width, v * tall + 0.3 * tall)
     level = jnp.maximum(level, objects.lamps[i] * jnp.clip(1.5 - apart / radius, 0, 1))
