@@ -390,8 +390,8 @@ def built(mechanisms: Any) -> lgmd.LGMD2:
     ("call", "message"),
     [
         (lambda: built(("membrane",)), r"mechanisms is \('membrane',\); a membrane needs the shunt"),
-        (lambda: built(("size", "sice")), r"mechanisms is \('size', 'sice'\); give a tuple of 'size'"),
-        (lambda: built(("lag", "lag")), r"mechanisms is \('lag', 'lag'\); give a tuple"),
+        (lambda: built(("size", "sice")), "mechanisms has 'sice'; choose 'size'"),
+        (lambda: built(("lag", "lag")), "mechanisms has 'lag' twice; name each once"),
         (lambda: built(["size"]), r"mechanisms is \['size'\]; give a tuple"),
         (lambda: built("size"), "mechanisms is 'size'; give a tuple"),
         (lambda: built(([],)), r"mechanisms is \(\[\],\); give a tuple"),
