@@ -55,7 +55,8 @@ def _plain(outcome: Outcome) -> dict[str, dict[str, float]]:
 
 
 def _table(outcomes: dict[str, Outcome]) -> list[str]:
-    none, rows = outcomes["none"], [_COLUMNS]
+    none = outcomes["none"]
+    rows: list[tuple[str, ...]] = [_COLUMNS]
     for name, outcome in outcomes.items():
         measures = (
             outcome.collisions_per_metre,
