@@ -197,8 +197,8 @@ print("; ".join(finding.name for finding in found.rows if finding.passed is Fals
 
 # %% [markdown]
 # ## Saved and loaded
-# A fit becomes a folder with its report, a model a file that proves itself on loading, as the library's own do; both are
-# loaded with the class. Commands and `hard.py` know the library's networks alone, and say so.
+# A fit becomes a folder with its report, a model a file that proves itself on loading, as the library's own do; both
+# are loaded with the class. Commands and `hard.py` know the library's networks alone, and say so.
 
 # %%
 folder = pathlib.Path(tempfile.mkdtemp()) / "dimming"
