@@ -5,7 +5,6 @@
 # saved and loaded as the library's own are.
 
 # %%
-import dataclasses
 import pathlib
 import tempfile
 from typing import Any
@@ -173,17 +172,22 @@ axes.legend(frameon=False)
 
 # %% [markdown]
 # ## Fitted to recordings, beside another circuit
-# A recipe brings targets and settings; the model and what is free are one's own. Here few points are searched.
+# A shipped protocol brings stimuli with the recorded rates; an observation makes a rate of the potential. Here few
+# points are searched. As in the shipped fit, the misfit sets the scale of all errors.
 
 # %%
-recipe = lgmd.load_recipe("dcmd")
-recipe = dataclasses.replace(
-    recipe,
-    model=Dimming(eye=recipe.model.eye),
-    free=lgmd.Free(T_dim=None, tau=None, k=None, baseline=None, gain=None, latency=None),
-    solver={"pixel_points": 4, "cell_points": 256, "descend": 1, "seed": 0},
+conditions = lgmd.load_protocol("dcmd").conditions
+recorded = lgmd.fit(
+    Dimming(eye=conditions[0].eye),
+    conditions,
+    lgmd.Free(T_dim=None, tau=None, k=None, baseline=None, gain=None, latency=None),
+    key=jax.random.key(0),
+    observation=lgmd.Observation(baseline=5.0, gain=90.0, latency=55.0, smoothing=20.0),
+    absolute_errors=False,
+    pixel_points=4,
+    cell_points=256,
+    descend=1,
 )
-recorded = recipe.run()
 print(lgmd.compare({"dimming": recorded, "LGMD2 with a shunt": "dcmd"}))
 
 # %% [markdown]
