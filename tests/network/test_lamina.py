@@ -107,6 +107,30 @@ def test_size_coding_compares_with_the_height_that_delayed_flows_reach():
         assert shares == [0.0, 1.0]
 
 
+@pytest.mark.parametrize("mechanisms", [("size",), ()], ids=str)
+def test_noise_does_not_add_up(mechanisms):
+    """It inhibits about as much at every rate, where without a lamina it fills the field at high ones."""
+    shares = [
+        lgmd.inhibition_in_noise(model(100.0, (*mechanisms, "lamina")), 16.0, fps) for fps in (30.0, 100.0, 200.0)
+    ]
+    assert shares[0] > 1
+    assert max(shares) < 1.25 * min(shares)
+
+
+@pytest.mark.parametrize(("mechanisms", "least", "most"), [((), 1.0, np.inf), (("lamina",), 0.0, 0.15)], ids=str)
+def test_a_loom_drives_as_much_at_every_frame_rate(mechanisms, least, most):
+    """MP of one object, of which the plain network sees several times as much in a longer frame."""
+    eye = lgmd.Eye(rows=24, cols=32, degrees_per_pixel=3.0, fps=60.0)
+    own = dataclasses.replace(model(100.0, mechanisms, sigma1=0.0, T_s=8.0), low_pass="exact", eye=eye)
+    courses = []
+    for fps in (10.0, 20.0, 60.0):
+        there = lgmd.at_frame_rate(own, fps)
+        loom = lgmd.stimuli.looming(there.eye, l_over_v=40.0, stop_angle=60.0)
+        courses.append(np.interp(np.arange(-1000.0, 1.0, 100.0), loom.time, there(loom.frames).mp))
+    for coarse in courses[:2]:
+        assert least < np.abs(coarse - courses[2]).max() / courses[2].max() < most
+
+
 def test_thresholds_of_changes_stay_at_another_frame_rate():
     values = {"T_s": 3.0, "T_ffi": 20.0, "k": 0.3, "T_sfa": 3e-4, "sigma1": 0.5, "N_sp": 6.0}
     eye = lgmd.Eye(rows=12, cols=16, degrees_per_pixel=6.0, fps=100.0)
