@@ -1,9 +1,9 @@
 """The arguments of `lgmd2jax characterise MODEL ...`."""
 
 import argparse
-from pathlib import Path
 
 from lgmd2jax.cli.options.model_option import MODEL_HELP
+from lgmd2jax.cli.options.output import new_file
 
 _EXAMPLES = """\
 examples:
@@ -32,8 +32,8 @@ def add(commands: argparse._SubParsersAction) -> None:
         epilog=_EXAMPLES,
     )
     parser.add_argument("models", metavar="MODEL", nargs="+", help=MODEL_HELP)
-    parser.add_argument("--json", type=Path, metavar="FILE", help="also write values, bounds, verdicts, evidence")
-    parser.add_argument("--figure", type=Path, metavar="FILE", help="also draw small panels, one colour a model")
+    parser.add_argument("--json", type=new_file, metavar="FILE", help="also write values, bounds, verdicts, evidence")
+    parser.add_argument("--figure", type=new_file, metavar="FILE", help="also draw small panels, one colour a model")
     parser.add_argument(
         "--intervals",
         action="store_true",
