@@ -125,7 +125,7 @@ def test_a_loom_drives_as_much_at_every_frame_rate(mechanisms, least, most):
     courses = []
     for fps in (10.0, 20.0, 60.0):
         there = lgmd.at_frame_rate(own, fps)
-        loom = lgmd.stimuli.looming(there.eye, l_over_v=40.0, stop_angle=60.0)
+        loom = lgmd.stimuli.looming(dataclasses.replace(eye, fps=fps), l_over_v=40.0, stop_angle=60.0)
         courses.append(np.interp(np.arange(-1000.0, 1.0, 100.0), loom.time, there(loom.frames).mp))
     for coarse in courses[:2]:
         assert least < np.abs(coarse - courses[2]).max() / courses[2].max() < most
