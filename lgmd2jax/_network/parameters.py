@@ -15,6 +15,7 @@ _SIZE = "inhibition codes size: Wang, Dewell, Zhu & Gabbiani 2018; Gabbiani, Coh
 _SHUNT = "multiplication by division: Keil 2011; exponentiation: Gabbiani et al. 2002" + _OURS
 _LAG = "delays of photoreceptors, lamina and synapses" + _OURS
 _MEMBRANE = "leaky membrane" + _OURS
+_LAMINA = "transient answers of the large monopolar cells: Laughlin 1981; Srinivasan, Laughlin & Dubs 1982" + _OURS
 _declares = functools.partial(declares, source="Fu, Hu & Yue, Table I")
 
 
@@ -235,6 +236,20 @@ class Parameters(ParameterSet):
         converter=scalar,
         metadata=declares(
             "time constant of the membrane", "ms", "[0, inf)", (0.0, 80.0), _MEMBRANE, mechanism="membrane"
+        ),
+    )
+    tau_lamina: Float[Array, ""] = eqx.field(
+        default=100.0,
+        converter=scalar,
+        metadata=declares(
+            "time constant with which the lamina returns to rest after a change of luminance",
+            "ms",
+            "(0, inf)",
+            (10.0, 500.0),
+            _LAMINA,
+            scale="log",
+            stage="pixels",
+            mechanism="lamina",
         ),
     )
 
