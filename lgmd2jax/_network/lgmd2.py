@@ -26,6 +26,7 @@ _SHARE_OF_FIELD = Description(
 )
 _PER_TIME = Description("grey level", "delayed feed-forward inhibition in 1/30 s (eq. 14)", "FFI in 1/30 s")
 MECHANISMS = ("size", "shunt", "lag", "membrane", "rate", "lamina")
+"""What the paper's circuit does not have, by the names that `LGMD2(mechanisms=...)` takes."""
 ABLATIONS: Mapping[str, Mapping[str, float]] = {
     "ffi": {"T_ffi": 1e9},
     "sfa": {"T_sfa": -1.0, "tau3": 1e9},
@@ -33,6 +34,7 @@ ABLATIONS: Mapping[str, Mapping[str, float]] = {
     "on": {"theta1": 0.0, "theta3": 0.0},
     "off": {"theta2": 0.0, "theta3": 0.0},
 }
+"""The mechanisms of the paper's circuit, with the values of parameters by which `ablate` takes each out."""
 
 
 @checked

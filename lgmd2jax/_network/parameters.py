@@ -265,6 +265,7 @@ PRESETS: Mapping[str, Mapping[str, float]] = {
     "balanced": {"theta1": 1.0},
     "light_selective": {"theta1": 1.0, "theta2": 0.0},
 }
+"""The sets of `preset`, by what each has otherwise than Table I."""
 
 
 @checked

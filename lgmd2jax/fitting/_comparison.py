@@ -82,6 +82,7 @@ class Comparison:
 
     @property
     def chi2_in_all(self) -> Float[np.ndarray, " fit"]:
+        """Chi2 of each fit, all curves together."""
         return self.chi2.sum(axis=1)
 
     @property
