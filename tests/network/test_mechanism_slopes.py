@@ -85,7 +85,7 @@ def test_the_fast_scan_is_the_plain_one():
 
 def test_only_what_is_perturbed_and_remembers_carries_maps():
     """M is held without a border, so the clip is so large here that a map of either kind counts as one."""
-    frames, n_p, own = jnp.zeros((3, 70, 80)), 2, 10  # ON, OFF, D_on, D_off, M, two of P, three to lay borders onto
+    frames, n_p, own = jnp.zeros((3, 50, 60)), 2, 8  # ON, OFF, D_on, D_off, M, two of P, one to lay a border onto
     more = {"tau1": 3, "sigma1": 5, "u": 5 + n_p, "T_p": 1, "tau_hold": 1}
     for name in ("tau1", "u", "T_p", "tau_hold", "A_ffi", "lag"):
 
@@ -94,7 +94,7 @@ def test_only_what_is_perturbed_and_remembers_carries_maps():
             model = lgmd.LGMD2(parameters, lgmd.Soft(0.5), n_p=n_p, mechanisms=EVERY)
             return model(frames, 30.0).smp_adapted
 
-        carried = maps_carried(jax.jacfwd(response), getattr(PARAMETERS, name), size=70 * 80)
+        carried = maps_carried(jax.jacfwd(response), getattr(PARAMETERS, name), size=50 * 60)
         assert carried == own + more.get(name, 0), name
 
 
