@@ -58,10 +58,12 @@ def characterise(model: AbstractNetwork | Fit, *, key: Key | None = None, progre
 
 @checked
 def ablations(model: AbstractNetwork, *mechanisms: str, progress: bool = False) -> dict[str, Characterisation]:
-    """The properties of the model as it is and without one mechanism each, evaluated as the whole is.
+    """The 22 properties of a model and of the same model without one mechanism at a time, judged as the same neuron.
 
     **Arguments:** `mechanisms`: which, as of `ablate`; by default all that the model has. What changes the structure,
     as taking size-coding inhibition out, compiles anew.
+
+    **Returns:** by name the model as it is, `"intact"`, and the others, such as `"without ffi"`.
 
     **Raises:** `ValueError` as for `characterise`, and for a mechanism that the model does not have.
     """
@@ -75,14 +77,16 @@ def ablations(model: AbstractNetwork, *mechanisms: str, progress: bool = False) 
 def rasters(
     model: AbstractNetwork, *, seeds: int = 0, finer: bool = True, progress: bool = False
 ) -> dict[str, Characterisation]:
-    """The properties as they are, with objects half a pixel aside, in other noise, and by an eye of 1 degree a pixel.
-
-    What fills the field, gratings and changes of light, is not moved. A finer eye takes the square as long.
+    """The 22 properties again on other rasters and in other noise, which should not change a verdict.
 
     **Arguments:**
 
-    - `seeds`: in how many other draws of noise and texture; of those properties that have any.
-    - `finer`: whether the finer eye, of the same field, is asked too; one that has 1 degree or less a pixel never is.
+    - `seeds`: how many other draws of noise and texture to take, for the properties that have any.
+    - `finer`: whether an eye of the same field with 1 degree a pixel is tried too, which takes as much longer as it has
+      more pixels; where the model's own has 1 degree or less, it is not.
+
+    **Returns:** by name `"as it is"`; `"shifted by half a pixel"`, where all objects are moved (gratings and changes of
+    light fill the field and are not); `"noise and texture 1"` and so on, one for each seed; `"1 degree a pixel"`.
 
     **Raises:** `ValueError` as for `characterise`, and for a number of seeds that is none.
     """

@@ -21,8 +21,10 @@ _LABEL, _BOUND, _COLUMN = 50, 9, 12  # widths of the table
 class Finding:
     """One of the 22 properties, measured on one model.
 
-    - `values`: of its criteria, in their units; NaN where there is nothing to measure, as of a silent cell.
-    - `passed`: None where it is not judged, for the reason in `remark`.
+    - `row`: the property itself, with its definition and its criteria.
+    - `values`: what was measured for each criterion, in its unit; NaN where there is nothing to measure, as of a silent
+      cell.
+    - `passed`: whether the property holds; None where it is not judged, for the reason in `remark`.
     """
 
     row: Row
@@ -32,21 +34,21 @@ class Finding:
 
     @property
     def number(self) -> int:
-        """Of the property, 1 to 22."""
+        """The number of the property, 1 to 22."""
         return self.row.number
 
     @property
     def name(self) -> str:
-        """Of the property."""
+        """The name of the property."""
         return self.row.name
 
     @property
     def verdict(self) -> str:
-        """In a word."""
+        """The verdict in a word: `"pass"`, `"FAIL"`, or the remark."""
         return self.remark or ("pass" if self.passed else "FAIL")
 
     def plain(self) -> dict[str, Any]:
-        """As JSON holds it: None for what is not finite."""
+        """All as plain data for JSON, None for what is not finite."""
         lines = [
             dataclasses.asdict(line) | {"bound": line.bound, "value": value}
             for line, value in zip(self.row.lines, self.values, strict=True)
@@ -67,12 +69,20 @@ class Finding:
 class Characterisation:
     """The 22 response properties of a model.
 
-    - `eye`: that was shown them. `neuron`: what the model is judged as: `"LGMD2"`, or `"LGMD1"` where its ON pathway
-      weighs at least half as much as the OFF pathway, or where it has none.
-    - `reference`, `reference_textured`: the peak above rest, in units of SMP, of the dark loom at 40 ms by which R is
-      normalised; below .05 there is no R.
-    - `rows`: a `Finding` each, in the order of their numbers.
-    - `selectivity`: the summary that the field uses, by name, with intervals where a covariance is known.
+    ```python
+    found = lgmd.characterise(lgmd.load_fit("lgmd2"))
+    print(found)                      # the table
+    found[3].passed, found[3].values  # property 3
+    ```
+
+    R is a response above rest as a share of the peak that the same model has for a dark loom at l/|v| 40 ms.
+
+    - `eye`: for which the stimuli were rendered. `neuron`: what the model is judged as: `"LGMD2"`, or `"LGMD1"` where
+      its ON pathway weighs at least half as much as the OFF pathway, or where it has none.
+    - `reference`, `reference_textured`: that peak, in units of SMP, on a plain and on a textured ground; below .05 no R
+      is given.
+    - `rows`: a `Finding` for each property, in the order of their numbers.
+    - `selectivity`: six numbers by which papers sum it up, by name, with intervals where a covariance is known.
     - `panels`: values over conditions, as the figure shows them.
     - `curves`: time in ms and R for every stimulus by name.
     """
@@ -87,7 +97,7 @@ class Characterisation:
     curves: Mapping[str, tuple[Float[np.ndarray, " _time"], Float[np.ndarray, " _time"]]]
 
     def __getitem__(self, number: int) -> Finding:
-        """The row of a number."""
+        """The property of a number, 1 to 22."""
         return self.rows[number - 1]
 
     @property
@@ -104,11 +114,11 @@ class Characterisation:
         return self.summary()
 
     def summary(self) -> str:
-        """The table."""
+        """The table as text: a row for each property and each of its criteria, and the selectivity."""
         return table({"value": self})
 
     def plain(self) -> dict[str, Any]:
-        """As JSON holds it."""
+        """All but the curves as plain data for JSON."""
         return {
             "eye": dataclasses.asdict(self.eye),
             "neuron": self.neuron,

@@ -40,8 +40,9 @@ class Symbol:
     - `scale`: how a fit measures within the bounds; `"log"` for what is a matter of factors.
     - `stage`: `"pixels"` where MP and F depend on it, `"cell"` where it acts on them.
     - `per_frame`: what becomes of it at another frame rate. `"change"`: it is compared with a change in a frame and
-      goes with the time that a frame lasts; `"share"`: that much is left after a frame; `"persistence"`:
-      1/(1 + exp(u)) is left, where it acts over one frame; `"count"`: it counts in frames.
+      goes with the time that a frame lasts, unless the network sees changes per time (`at_frame_rate` tells which);
+      `"share"`: that much is left after a frame; `"persistence"`: 1/(1 + exp(u)) is left, where it acts over one frame;
+      `"count"`: it counts in frames.
     - `of_field`: whether it is compared with a mean over the field of view, of which an object of one size is a smaller
       share where the field is larger.
     - `mechanism`: the optional mechanism that it belongs to; None for what the network always has.
@@ -104,15 +105,27 @@ def declares(
     of_field: bool = False,
     mechanism: str | None = None,
 ):
-    """The metadata of a field that is a parameter, for `equinox.field`."""
+    """The metadata of a field that is a parameter, for `equinox.field`.
+
+    ```python
+    class Mine(lgmd.ParameterSet):
+        tau: Float[Array, ""] = eqx.field(
+            default=60.0,
+            converter=lgmd.scalar,
+            metadata=lgmd.declares("time constant of the cell", "ms", "(0, inf)", (10.0, 300.0), "a guess", "log"),
+        )
+    ```
+
+    **Arguments:** the fields of a `Symbol`, which says what each means.
+    """
     return {"symbol": Symbol(meaning, unit, domain, bounds, source, scale, stage, per_frame, of_field, mechanism)}
 
 
 class ParameterSet(eqx.Module):
     """Parameters of a network that declare themselves: one floating scalar each, so the whole is a pytree of leaves.
 
-    A network's own is a subclass: each field is a parameter that declares itself by `equinox.field(default=...,
-    converter=scalar, metadata=declares(...))`.
+    A network of your own has a subclass: each field is a parameter that declares itself by `equinox.field(default=...,
+    converter=scalar, metadata=declares(...))`; `declares` has an example.
 
     **Raises:** `ValueError` for a value outside its domain, when the value is concrete (not traced).
     """

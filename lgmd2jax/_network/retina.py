@@ -23,13 +23,26 @@ def unstable_persistence(u: Float[Array, "*batch"], n_p: int) -> dict[str, Bool[
     return {f"{known}the persistence sums to 1 or more and is stable only below 1; raise u or lower n_p": total >= 1}
 
 
-def photoreceptors(change: Map, history: Float[Array, "n_p row col"], u: Float[Array, ""]) -> Map:
-    """Eq. 1: P(t) = L(t) - L(t-1) + sum_i a_i P(t-i), in grey levels.
+def lamina(tau: Float[Array, ""], interval: Scalar) -> tuple[Float[Array, " 1"], Scalar]:
+    """The a and g of P(t) = g (L(t) - L(t-1)) + a P(t-1), which solves dP/dt = dL/dt - P/tau.
 
-    **Arguments:** `change` is L(t) - L(t-1); `history` holds P(t-1) .. P(t-n_p).
+    a = exp(-ti/tau) and g = (1 - a) tau/ti are exact where luminance changes evenly between two frames, so that P is
+    the same at one moment however many frames came before it.
+
+    **Arguments:** `tau` and `interval` (ti) in ms.
     """
-    p = change
-    a = persistence(u, len(history))
+    frames = interval / tau
+    return jnp.exp(-frames)[None], -jnp.expm1(-frames) * (tau / interval)
+
+
+def photoreceptors(
+    change: Map, history: Float[Array, "kept row col"], a: Float[Array, " kept"], gain: float | Scalar = 1.0
+) -> Map:
+    """Eq. 1: P(t) = g (L(t) - L(t-1)) + sum_i a_i P(t-i), in grey levels; g is 1 without a lamina.
+
+    **Arguments:** `change` is L(t) - L(t-1); `history` holds P(t-1), P(t-2) ..
+    """
+    p = gain * change
     for i in range(len(history)):
         p = p + a[i] * history[i]
     return p

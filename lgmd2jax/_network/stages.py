@@ -65,7 +65,8 @@ class Levels(NamedTuple):
 class AbstractPixels(eqx.Module):
     """The pixel stage of a network: from frames to `Sums`.
 
-    `over` derives by JAX as it stands. A stage that knows a cheaper way to the same numbers has an `over` of its own.
+    A subclass defines `rest` and `step`. `over` runs these frame by frame, and JAX differentiates it; a stage that
+    knows a cheaper way to the same numbers defines an `over` of its own.
     """
 
     parameters: eqx.AbstractVar[Any]  # a ParameterSet
@@ -105,7 +106,7 @@ class AbstractPixels(eqx.Module):
 
 
 class AbstractCell(eqx.Module):
-    """The cell of a network: from `Sums` to `Response`."""
+    """The cell of a network: from `Sums` to `Response`. A subclass defines `rest` and `step`."""
 
     parameters: eqx.AbstractVar[Any]  # a ParameterSet
 
@@ -117,7 +118,8 @@ class AbstractCell(eqx.Module):
     def step(self, state: Any, sums: Sums, interval: Scalar, pixels: int) -> tuple[Any, Response]:
         """The next state and the response of this frame.
 
-        **Arguments:** all numbers come in one dtype; `interval` in ms; `pixels` the n of eq. 12.
+        **Arguments:** `sums`: of this frame. `interval`: ms since the frame before. `pixels`: how many a frame has, n
+        of eq. 12. All numbers come in one dtype.
         """
 
     def over(self, sums: Sums, interval: Interval, pixels: int) -> Response:

@@ -29,9 +29,13 @@ class Structure:
     def check(self, name: str, value) -> None:
         """Raise `ValueError` for a value that makes no sense."""
         if self.several:
-            known = isinstance(value, tuple) and all(each in self.choices for each in value)
-            if not known or len(set(value)) < len(value):
+            if not isinstance(value, tuple):
                 raise ValueError(f"{name} is {value!r}; give a tuple of {', '.join(map(repr, self.choices))}")
+            for each in value:
+                if each not in self.choices:
+                    raise ValueError(f"{name} has {each!r}; choose {nearest(each, self.choices)}")
+                if value.count(each) > 1:
+                    raise ValueError(f"{name} has {each!r} twice; name each once")
         elif self.least is None:
             if value not in self.choices:
                 raise ValueError(f"{name} is {value!r}; choose {nearest(value, self.choices)}")
@@ -41,14 +45,28 @@ class Structure:
 
 @checked
 def counts(default: int, unit: str, least: int, at_interval: Callable[[int, float], int] | None = None):
-    """A structural field that counts, such as frames of a window."""
+    """A field of a network that counts, such as the frames of a window: a whole number, compiled in and never fitted.
+
+    ```python
+    N_alarm: int = lgmd.counts(3, "spikes", least=1)
+    ```
+
+    **Arguments:** `unit`: what it counts, in the plural, for messages. `least`: the smallest number that makes sense.
+    `at_interval`: a function of the number and a ratio, for frames that last `ratio` times as long; without one the
+    number stays.
+    """
     declared = Structure(unit, least) if at_interval is None else Structure(unit, least, at_interval=at_interval)
     return eqx.field(default=default, static=True, metadata={"structure": declared})
 
 
 @checked
 def one_of(default: str, choices: tuple[str, ...]):
-    """A structural field that is one of a few names."""
+    """A field of a network that is one of a few names, compiled in and never fitted.
+
+    ```python
+    low_pass: str = lgmd.one_of("exact", ("exact", "backward_euler"))
+    ```
+    """
     return eqx.field(default=default, static=True, metadata={"structure": Structure("", choices=choices)})
 
 

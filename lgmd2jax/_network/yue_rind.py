@@ -143,9 +143,11 @@ class YueRindParameters(ParameterSet):
 
 
 class YueRindLayers(eqx.Module):
-    """The maps of one frame, in grey levels, for `record` to choose from.
+    """The maps of one frame, in grey levels, for `record` to choose from; `YueRindLGMD1` has their equations.
 
-    `g_kept` is G after its threshold; `f` the map whose mean is F.
+    - `p`: P, the change of luminance with its persistence. `inhibition`: I. `s`: S.
+    - `c_e`: C_e, the 3x3 mean of S. `g`: G. `g_kept`: G after its threshold, the map of which K sums up abs(G).
+    - `f`: abs(P) of the frame before, the map whose mean is F.
     """
 
     p: Map
@@ -180,7 +182,7 @@ class YueRindPixels(AbstractPixels):
 
     def step(self, state, frame, interval):
         v = self.parameters
-        p = retina.photoreceptors(frame - state.luminance, state.p[None], v.u)
+        p = retina.photoreceptors(frame - state.luminance, state.p[None], retina.persistence(v.u, 1))
         inhibition = medulla.lateral(bordered(state.p))
         s = p - v.W_I * inhibition
         c_e = medulla.g_layer(bordered(s))
@@ -224,7 +226,7 @@ class YueRindCell(AbstractCell):
 
 @checked
 class YueRindLGMD1(AbstractNetwork):
-    """The LGMD1 network of Yue & Rind 2006, to be asked whatever an `LGMD2` is asked.
+    """The LGMD1 network of Yue & Rind 2006, which is called, fitted and characterised as an `LGMD2` is.
 
     ```python
     lgmd1 = YueRindLGMD1(eye=eye)

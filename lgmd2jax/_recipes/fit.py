@@ -35,7 +35,13 @@ Part = Callable[[Supplement], Supplement]  # adds what it computes
 
 @dataclasses.dataclass(frozen=True)
 class Recipe:
-    """A fit to be made: the model, what is free, and the conditions with their targets.
+    """A fit to be made, as `load_recipe` reads it: the model, what is free, and the conditions with their targets.
+
+    ```python
+    recipe = lgmd.load_recipe("twin")
+    fit = recipe.run(progress=True)
+    lgmd.save_fit(fit, "mine")
+    ```
 
     - `protocol`: the file of the conditions. `pairs`: these, rendered.
     - `profile`: parameters whose interval is also found by profile likelihood.
@@ -44,9 +50,9 @@ class Recipe:
     - `looming_law`: whether to hold the fit against eta, fitted to the same rates.
     - `truth`: the values that are known to be right, of a twin.
     - `properties`: whether to hand over, of the candidates, the one that holds most of the 22 response properties.
-    - `families`: of the conditions. `table`: the file's content.
-    - `animals`: by name the conditions of each, by their numbers, where each animal is to have a fit of its own.
-      `animal`: whose recipe this is, of such a fit.
+    - `families`: of which family the stimulus of each condition is. `table`: the file's content.
+    - `animals`: by name the conditions of each animal, by their numbers, where each is to have a fit of its own.
+      `animal`: in the recipe of one such fit, the animal's name.
     """
 
     name: str
@@ -70,12 +76,18 @@ class Recipe:
 
     @property
     def seed(self) -> int:
-        """Of the search's random points."""
+        """The seed of the search's random points."""
         return self.solver.get("seed", 0)
 
     @checked
     def run(self, progress: bool = False, memory=None, pairs=None) -> Fit:
-        """Make the fit, by default to all conditions."""
+        """Make the fit.
+
+        **Arguments:** `progress`, `memory`: as of `lgmd2jax.fit`. `pairs`: what to fit in place of the recipe's own
+        `pairs`, such as some of them.
+
+        **Raises:** as `lgmd2jax.fit`.
+        """
         settings = {name: value for name, value in self.solver.items() if name != "seed"}
         return fit(
             self.model,

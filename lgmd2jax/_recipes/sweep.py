@@ -26,12 +26,11 @@ if TYPE_CHECKING:
 
 @dataclasses.dataclass(frozen=True)
 class SweepRecipe:
-    """A sweep to be made.
+    """A sweep to be made, as `load_recipe` reads it; `run` makes it.
 
-    - `stimulus`: the arguments of the family, lists for axes.
-    - `parameters`: of the model, likewise.
-    - `channels`: of the response that are kept over time.
-    - `value`: what the figure shows, None for no figure.
+    - `stimulus`: the arguments of the family; a list is an axis. `parameters`: those of the model, likewise.
+    - `channels`: which channels of the response are kept over time.
+    - `value`: what the figure shows; None for no figure.
     - `index`: an axis of two values a and b, along which the figure shows (a - b)/(a + b).
     """
 

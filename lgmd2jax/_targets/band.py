@@ -18,9 +18,9 @@ Number = float | int
 @checked
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Band:
-    """The range of a response over time: what a sentence tells that gives no curve.
+    """A range in which the response should lie over time: the target where a paper gives words and no curve.
 
-    A response within differs by nothing; one outside by its distance from the nearer edge.
+    A response within the range costs nothing. One outside differs by its distance from the nearer edge.
 
     ```python
     Band(low=0.5, high=0.6, quote="remains quiet")

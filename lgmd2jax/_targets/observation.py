@@ -34,7 +34,7 @@ class Observation(eqx.Module):
     - `baseline`: rate at rest, in spikes/s.
     - `gain`: rate above it at the highest potential, U' = 1, in spikes/s.
     - `latency`: from the potential to the record, in ms, of any fraction of a frame.
-    - `smoothing`: standard deviation of the Gaussian, in ms.
+    - `smoothing`: standard deviation of the Gaussian by which the recorded spikes were smoothed, in ms.
 
     **Raises:** `ValueError` for a value outside its domain, when the value is concrete (not traced).
     """

@@ -40,7 +40,7 @@ class SpikeTrains:
 
     - `trials`: for each animal its trials, each an array of spike times in ms, on the clock of the stimulus; an empty
       array is a trial without spikes. Times with a unit of their own, such as a `neo.SpikeTrain`, are converted by it.
-    - `kernel_ms`: standard deviation of the Gaussian.
+    - `kernel_ms`: standard deviation of the Gaussian that makes a rate of the spikes.
     - `likelihood`: `"normal"` compares the smoothed rate, averaged over trials and animals, by least squares;
       `"poisson"` the spikes themselves, counted in bins around the frames, as an inhomogeneous Poisson process around
       the predicted rate. An `Observation`'s `smoothing` is then no kernel, for counts have none, but the scatter of the

@@ -50,18 +50,18 @@ class Target(eqx.Module):
     - `channel`: `"smp"`, `"smp_adapted"`, `"spikes"` (a frame), or `"rate"` (spikes/s, through an `Observation`).
     - `values`: in the unit of the channel.
     - `time`: of the values, in ms; None where they stand at the frames of the stimulus.
-    - `sem`: standard error of the values where it was recorded. It is drawn, and is the error where none is given; one
-      below a tenth of their r.m.s., 0 for example, is an accident of few recordings and counts as that, unless there is
-      a `sem_rule`.
+    - `sem`: standard error of each value, where it was recorded. It is drawn, and it is the `error` where none is
+      given. One that is tiny, 0 for example, is an accident of few recordings: where there is no `sem_rule`, each
+      counts as at least a tenth of the r.m.s. of all standard errors.
     - `error`: standard error by which a difference is divided, one number or one for each value.
     - `weight`: factor of the squared difference, one number or one for each value; 0 for what does not count.
     - `correlation_ms`: the span that makes one independent sample: 2 sqrt(pi) s behind a Gaussian of s.d. s.
-    - `interpolate`: whether values at other times than the frames' may be interpolated onto these. There are then as
-      many samples as values: of those further apart than the frames each counts once, at the frame nearest to it.
+    - `interpolate`: whether values at other times than the frames' may be interpolated onto these. That makes no new
+      samples: of values that lie further apart than the frames each counts once, at the frame nearest to it.
     - `sem_rule`: how the standard errors arose, for the report of a fit.
-    - `upper`: makes it a band, of which `values` are the lower edge. A response within is no difference, edges
-      included; one outside differs by its distance from the nearer edge. Of the two edges one may be infinite.
-    - `quote`: the words that it stands for, under which a report counts it.
+    - `upper`: makes the target a band, of which `values` are the lower edge and these the upper one. A response within
+      costs nothing, edges included; one outside differs by its distance from the nearer edge. One edge may be infinite.
+    - `quote`: the words of a paper that the target stands for; a report counts all targets of the same words together.
     - `exposure`: makes the values, at the frames of the stimulus, counts of spikes by the time in which they were
       counted, in s, all trials together. A difference is then weighed by the Poisson likelihood of the counts, and
       `sem` is only drawn.

@@ -17,6 +17,12 @@ from lgmd2jax._words import nearest
 class Trials:
     """All trials of an experiment, sorted by animal, condition, session and name.
 
+    ```python
+    trials = lgmd.load_trials("spikes.csv")           # columns animal, trial, l_over_v_ms, spike_ms
+    print(trials.looming_law())                       # alpha and delta, with intervals
+    trials.where(l_over_v=20).spike_trains()          # a target for the loom of 20 ms
+    ```
+
     **Arguments:** `trials`: one or more. `remarks`: what was noticed while they were read.
 
     **Raises:** `ValueError` for no trials, and for two of the same animal, session, name and condition.

@@ -94,8 +94,13 @@ class LabelledClip(ClipLabels):
     ) -> "LabelledClip":
         """A clip of your own with its labels.
 
-        **Arguments:** as the fields; stretches are pairs of first and last frame. Without `index` and `time` the frames
-        are taken to be all of the file's; without `interval` the times say it; without `source` it is the name.
+        ```python
+        LabelledClip.of("crash", frames, 30.0, windows=[(149, 175)], silent=[(10, 120)], contact=174)
+        ```
+
+        **Arguments:** as the fields; stretches are pairs of first and last frame, counted from 0. Without `index` and
+        `time` the frames are taken to be all of the file's. Without `interval` it follows from the times. Without
+        `source` the name is the source.
 
         - `count`: how many frames the file holds, where the last ones were dropped as repeats.
 

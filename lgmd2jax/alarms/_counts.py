@@ -12,7 +12,7 @@ from lgmd2jax._reports.interval import Interval as Share
 
 
 class Score(NamedTuple):
-    """Windows hit, and false alarms a minute, over all clips."""
+    """The share of windows hit, 0 to 1, and the false alarms a minute, over all clips, with 95 % intervals."""
 
     hits: Share
     false_alarms: Share
@@ -24,7 +24,7 @@ class Score(NamedTuple):
 
 @dataclasses.dataclass(frozen=True)
 class Counts:
-    """For each clip how many windows were hit of how many, and how many false alarms there were in how many minutes."""
+    """Counts of each clip: windows hit, of how many, and false alarms, in how many minutes of wanted silence."""
 
     hits: Int[np.ndarray, " clip"]
     windows: Int[np.ndarray, " clip"]
@@ -32,7 +32,7 @@ class Counts:
     minutes: Float[np.ndarray, " clip"]
 
     def score(self) -> Score:
-        """Hits with Wilson's interval, false alarms with Garwood's of a Poisson count."""
+        """Hits with Wilson's interval, false alarms a minute with Garwood's of a Poisson count."""
         hits, windows, false = int(self.hits.sum()), int(self.windows.sum()), int(self.false_alarms.sum())
         share = Share(math.nan, 0.0, 1.0)
         if windows:

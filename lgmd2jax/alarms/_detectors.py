@@ -28,9 +28,13 @@ def table1(clips: Sequence[LabelledClip], model: LGMD2) -> dict[str, Evaluation]
 
 @checked
 def detectors(clips: Sequence[LabelledClip], model: LGMD2, flow: bool = True) -> dict[str, Evaluation]:
-    """What a model is compared with, on clips: Table I at both thresholds, frame difference, divergence of flow.
+    """What plain detectors do on clips, by their names, for a model to be compared with.
 
-    **Arguments:** `model`: for its eye. `flow`: whether with the divergence, which needs OpenCV.
+    **Arguments:** `model`: whose eye the paper's model gets. `flow`: whether to try the divergence too, which needs
+    OpenCV.
+
+    **Returns:** `"table1_T_sp_0.78"` and `"table1_T_sp_0.65"`, the paper's model with the two thresholds that the paper
+    gives; `"difference"`, the mean change between frames; `"divergence"`, that of the optical flow.
 
     **Raises:** `ValueError` where OpenCV is missing.
     """

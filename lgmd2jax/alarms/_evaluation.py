@@ -52,9 +52,18 @@ class Verdict(NamedTuple):
 
 @dataclasses.dataclass(frozen=True)
 class Evaluation:
-    """The evidence for an alarm in every frame of every clip, so that every T_sp can be judged.
+    """What a detector does on labelled clips: its evidence for an alarm in every frame, so that any T_sp can be judged.
 
-    - `T_sp`: the model's own.
+    ```python
+    labels = lgmd.alarms.load_labels("video")
+    evaluation = labels.evaluate(lgmd.LGMD2(eye=labels.eye))
+    print(evaluation.score())          # hits and false alarms a minute, with intervals
+    evaluation.verdicts()[0].misses    # why windows of the first clip were missed
+    ```
+
+    - `clips`: the labels of each clip.
+    - `evidence`: for each clip a value a frame: the largest T_sp at which there would be an alarm (`evidence`).
+    - `T_sp`: the model's own; there is an alarm where the evidence reaches it.
     - `drives`: what acted on the cell in each frame of every clip; none for evidence of another origin.
     """
 
@@ -75,7 +84,7 @@ class Evaluation:
     def operating_curve(
         self, thresholds: Float[np.ndarray, " threshold"]
     ) -> tuple[Float[np.ndarray, " threshold"], Float[np.ndarray, " threshold"]]:
-        """For each T_sp the share of windows that are hit, and false alarms a minute of what must be silent."""
+        """For each T_sp, the share of windows that are hit, and the false alarms a minute of what must be silent."""
         judged = zip(self.clips, self.evidence, strict=True)
         peaks = [trace[inside].max() for clip, trace in judged for inside in clip.in_windows()]
         hits = _reaching(np.array(peaks, float), thresholds)
@@ -83,7 +92,10 @@ class Evaluation:
 
     @checked
     def raised(self, thresholds: Float[np.ndarray, " threshold"]) -> Int[np.ndarray, " threshold"]:
-        """How many false alarms each threshold raises: in frames that reach it where the silent one before did not."""
+        """How many false alarms each threshold raises, all clips together.
+
+        One begins in each silent frame that reaches the threshold where the frame before did not, or was not silent.
+        """
         lowest = np.full(1, -np.inf)
         before = [
             np.concatenate([lowest, np.where(silent, trace, -np.inf)[:-1]])[silent]
@@ -107,7 +119,7 @@ class Evaluation:
         return dataclasses.replace(self, clips=clips, evidence=evidence, drives=drives)
 
     def score(self) -> Score:
-        """Both at the model's own T_sp: hits with Wilson's interval, false alarms with Garwood's of a Poisson count."""
+        """Hits and false alarms a minute at the model's own T_sp, with their 95 % intervals (Wilson's, Garwood's)."""
         return self.counts().score()
 
     @checked
@@ -120,7 +132,7 @@ class Evaluation:
 
     @checked
     def counts_of(self, clip: int, threshold: float) -> tuple[int, int]:
-        """The windows hit and the false alarms of the clip of a number at a threshold."""
+        """The windows hit and the false alarms of one clip, by its number from 0, at a threshold."""
         labels, on = self.clips[clip], self.evidence[clip] >= threshold
         hits = int((labels.in_windows() & on).any(axis=1).sum())
         return hits, len(stretches(on & labels.in_silence()))
@@ -132,13 +144,17 @@ class Evaluation:
 
     @property
     def silent_minutes(self) -> float:
-        """How long there must be silence in all."""
+        """For how long all clips together must be silent, in minutes."""
         return sum(clip.silent_minutes for clip in self.clips)
 
 
 @dataclasses.dataclass(frozen=True)
 class HeldOutScores:
-    """What models do on held-out clips, by the model's name."""
+    """What models do on held-out clips.
+
+    - `minutes`: how long the clips must be silent. `windows`: how many alarms are wanted.
+    - `scores`: by the model's name.
+    """
 
     minutes: float
     windows: int
@@ -155,7 +171,7 @@ class HeldOutScores:
 
 @checked
 def evaluate(model: LGMD2, clips: Sequence[LabelledClip]) -> Evaluation:
-    """Run a model over labelled clips.
+    """Run a model over labelled clips; of a file of labels, `LabelFile.evaluate` does so without holding all frames.
 
     **Raises:** `ValueError` for no clips.
     """

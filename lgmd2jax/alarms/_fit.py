@@ -54,6 +54,13 @@ def fit(
 ) -> AlarmFit:
     """Fit a model's free parameters to labelled clips: alarms in every window, none in a silence.
 
+    ```python
+    labels = lgmd.alarms.load_labels("mine.toml")
+    model, free = lgmd.LGMD2(eye=labels.eye), lgmd.Free(k=None, tau1=None, T_ffi=(5, 50))
+    fit = lgmd.alarms.fit(model, labels.load(), free, key=jax.random.key(0))
+    print(fit.summary())
+    ```
+
     For each of the `pixel_points` the pixels of all clips are computed once. On their sums `cell_points` cells are
     tried, then as many around the best, ever closer; for each cell the best T_sp is known exactly. The neighbourhood of
     the best points is searched in the same way, generation by generation. The best are descended on soft thresholds,
@@ -74,8 +81,8 @@ def fit(
     - `pixel_points`, `cell_points`, `descend`, `temperatures`, `max_steps`: as for `lgmd2jax.fit`.
     - `generations`: of the search near the best, each a quarter of the pixel points; it and `descend` may be 0.
     - `progress`: show a bar.
-    - `memory`: a mapping that keeps finished work; given again, the fit goes on from there. That of another fit is
-      refused.
+    - `memory`: a mapping, such as a dict, that keeps finished work; given again, the fit goes on from there. That of
+      another fit is refused.
     - `client`: of a Dask cluster, on whose workers the starts are spread instead of on the cores here.
 
     On Ctrl-C the best so far is returned. Before the first start is finished the `KeyboardInterrupt` goes on to the

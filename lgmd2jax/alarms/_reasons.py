@@ -41,7 +41,7 @@ class Miss(NamedTuple):
     """A window without an alarm.
 
     - `why`: `"inhibited"` where the alarm would have come without inhibition, `"late"` where it came within a second
-      after the window, `"weak"` where the excitation would not have done either.
+      after the window, `"weak"` where the excitation would not have sufficed even without inhibition.
     - `inhibited`: the share of the window's frames in which the cell was inhibited.
     - `evidence`: the largest in the window. `late_ms`: from the window's end to the alarm; NaN where none came.
     """

@@ -25,7 +25,12 @@ from lgmd2jax.fitting._sections import free_of, model_of
 
 @dataclasses.dataclass(frozen=True)
 class AlarmRecipe:
-    """A fit of alarms to be made: the model, what is free, and the file of labelled clips.
+    """A fit of alarms to be made, as `load_recipe` reads it: the model, what is free, the file of labelled clips.
+
+    ```python
+    recipe = lgmd.load_recipe("video")
+    fit = recipe.run(recipe.file.load(), progress=True)
+    ```
 
     - `weights`: the cost of a missed window and of a false alarm; what recorded clips weigh together.
     - `validation`: which clips to render, with a seed that the fit does not use, for the score of the report.
@@ -43,17 +48,20 @@ class AlarmRecipe:
 
     @property
     def seed(self) -> int:
-        """Of the search's random points."""
+        """The seed of the search's random points."""
         return self.solver.get("seed", 0)
 
     @property
     def within_ms(self) -> float | int | None:
-        """The time of the urgency, None where none is asked for."""
+        """Within which time contact follows, for the probability of contact; None where none is asked for."""
         return self.table.get("urgency", {}).get("within_ms")
 
     @checked
     def run(self, clips: Sequence[LabelledClip], progress: bool = False, memory=None) -> AlarmFit:
-        """Make the fit."""
+        """Make the fit to clips, such as those of `file.load()`.
+
+        **Arguments:** `progress`, `memory`: as of `alarms.fit`. **Raises:** as `alarms.fit`.
+        """
         settings = {name: value for name, value in self.solver.items() if name != "seed"}
         key = jax.random.key(self.seed)
         return fit(self.model, clips, self.free, key=key, progress=progress, memory=memory, **self.weights, **settings)

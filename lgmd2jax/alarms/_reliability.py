@@ -18,10 +18,10 @@ _RIDGE = 1e-6  # keeps the weights finite where the outcomes can be told apart w
 
 @dataclasses.dataclass(frozen=True)
 class Reliability:
-    """What was predicted against what happened, over frames of clips, with 95 % intervals.
+    """The predicted probability of contact against what happened, over the frames of clips, with 95 % intervals.
 
     Frames of a clip go together, so that the intervals are those over clips: of `observed` and `brier` by resampling
-    clips, of `slope` and `intercept` by the sandwich over clips.
+    clips, of `slope` and `intercept` by the sandwich estimate of the covariance, clustered by clip.
 
     - `predicted`: the mean probability in each bin of a tenth; `observed`: how often contact followed; `frames`: how
       many there are in it. Empty bins are left out.

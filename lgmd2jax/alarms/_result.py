@@ -22,15 +22,16 @@ class AlarmFit:
     """A model that was fitted to labelled clips.
 
     - `model`: what is handed over, with hard thresholds.
-    - `cost`: the weight of what it gets wrong; 0 where it is right on all clips.
+    - `free`: what was free. `z`: the model's point in the unit box, 0 to 1 for each parameter between its bounds.
+    - `cost`: the weight of what the model gets wrong; 0 where it is right on all clips.
     - `margin`: how far T_sp may move, up or down, before a verdict changes, in units of U'.
-    - `evaluation`: what it does on the clips.
+    - `evaluation`: what the model does on the clips.
     - `screened`, `right`: how many parameter sets were drawn within the bounds, and how many of them were
       right on all clips.
-    - `ranges`: between which values each parameter lay in those.
-    - `descended`: the best starts, and what descending brought.
-    - `without`: for each source of recorded clips what a set that was searched and chosen without them does on all
-      recorded clips; empty for a single source and for very many.
+    - `ranges`: between which values each parameter lay in those that were right.
+    - `descended`: the best starts, and what the descent brought.
+    - `without`: for each source of recorded clips, what a model that was searched and chosen without that source does
+      on all recorded clips; empty for a single source and for very many.
     - `stopped`: whether it was stopped by hand.
     """
 
@@ -49,7 +50,7 @@ class AlarmFit:
 
     @property
     def left_out(self) -> dict[str, int]:
-        """For each recorded clip how much a set gets wrong on it that was searched and chosen without its source.
+        """For each recorded clip, how much a model gets wrong on it that was searched and chosen without its source.
 
         Each missed window counts, and a silence with false alarms once. Clips in which nothing is judged are left out.
         """

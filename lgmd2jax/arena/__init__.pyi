@@ -11,4 +11,4 @@ from ._layout import Layout as Layout, random_layout as random_layout
 from ._run import Start as Start, run as run, trips as trips
 from ._scores import Outcome as Outcome
 from ._settings import detectors as detectors
-from ._training import Training as Training, train as train
+from ._training import Budget as Budget, Range as Range, Space as Space, Training as Training, train as train

@@ -21,7 +21,11 @@ Evidence = Float[Array, "2"]  # in the left third of the field and in the right 
 
 
 class AbstractDetector(eqx.Module):
-    """What sees a frame and raises an alarm or none."""
+    """What sees frames, one after the other, and raises an alarm or none. One of your own is a subclass.
+
+    `FrameDifference` is a short example. A detector is an `equinox.Module`: its numbers are arrays, and both methods
+    are traced by JAX.
+    """
 
     @abc.abstractmethod
     def rest(self, frame: Map) -> Any:
@@ -29,11 +33,14 @@ class AbstractDetector(eqx.Module):
 
     @abc.abstractmethod
     def step(self, state: Any, frame: Map) -> tuple[Any, Bool[Array, ""], Evidence]:
-        """The next state, the alarm, and the evidence of both sides."""
+        """The next state, whether there is an alarm, and the evidence for one in the left and right third of the field.
+
+        The evidence decides only where to turn, with `turn="away"`.
+        """
 
 
 class NoDetector(AbstractDetector):
-    """Never an alarm: the robot turns at contacts alone."""
+    """No alarm ever: the robot turns at contacts alone."""
 
     def rest(self, frame):
         return ()
@@ -60,7 +67,7 @@ class FrameDifference(AbstractDetector):
 
 @checked
 class NetworkDetector(AbstractDetector):
-    """The alarm of a network. The evidence of a side is its part of MP."""
+    """The alarm of a network, which `of` takes to the robot's camera. The evidence of a side is its part of MP."""
 
     network: AbstractNetwork
 

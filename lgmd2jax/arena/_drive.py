@@ -81,12 +81,15 @@ def drive(
     seconds: float = SECONDS,
     eye: Eye = EYE,
 ) -> Trip:
-    """One robot in one arena.
+    """Let one robot drive in one arena; `run` does so for many.
 
     **Arguments:**
 
+    - `scene`: the arena, `Scene.of(random_layout(seed))` for example. `start`: the robot's first pose in it.
     - `key`: of the camera's noise, and of the turns.
-    - `turn`: `"random"` as in the paper; `"away"` from the side of more evidence, by 45 to 135 degrees.
+    - `turn`: at an alarm, `"random"` by 180 to 270 degrees to a random side, as in the paper; `"away"` by 45 to 135
+      degrees, from the side of more evidence.
+    - `seconds`: how long the robot drives. `eye`: its camera.
     """
     steps = round(seconds * eye.fps)
     low, high = map(math.radians, TURNS[turn])

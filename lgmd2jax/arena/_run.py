@@ -19,7 +19,7 @@ from lgmd2jax.arena._layout import Layout, random_layout
 
 
 class Start(eqx.Module):
-    """What a robot is put into, in arrays that stack: the scene, where it starts, and the key of its random numbers."""
+    """Where a robot drives, in arrays that stack: the scene, the robot's first pose, the key of its random numbers."""
 
     scene: Scene
     pose: Pose
@@ -36,7 +36,7 @@ class Start(eqx.Module):
     @classmethod
     @checked
     def stacked(cls, seeds: Sequence[int]) -> "Start":
-        """Those of several seeds."""
+        """The starts of several seeds, for `trips`."""
         return jax.tree.map(lambda *each: jnp.stack(each), *map(cls.of, seeds))
 
 
@@ -44,9 +44,18 @@ class Start(eqx.Module):
 def run(
     detector: AbstractDetector, seeds: Sequence[int], *, turn: Turn = "random", seconds: float = SECONDS, eye: Eye = EYE
 ) -> tuple[list[Layout], Trip]:
-    """A robot for each seed: the arenas, and the trips, stacked.
+    """Let a robot drive in the arena of each seed.
 
     The same seed gives the same arena, the same noise and the same turns, whatever the detector.
+
+    ```python
+    layouts, trips = lgmd.arena.run(lgmd.arena.detectors()["lgmd2"], range(20))
+    print(lgmd.arena.Outcome.of(layouts, trips).collisions_per_metre)
+    ```
+
+    **Arguments:** `detector`: by which all robots drive. `turn`, `seconds`, `eye`: as of `drive`.
+
+    **Returns:** the arenas, and the trips of all robots, stacked along the first axis.
     """
     layouts = [random_layout(seed) for seed in seeds]
     return layouts, trips(detector, Start.stacked(seeds), turn=turn, seconds=seconds, eye=eye)
@@ -57,7 +66,10 @@ def run(
 def trips(
     detector: AbstractDetector, starts: Start, *, turn: Turn = "random", seconds: float = SECONDS, eye: Eye = EYE
 ) -> Trip:
-    """The trips of robots that start together, on all devices of this process."""
+    """The trips of robots from `Start.stacked`, stacked likewise, on all devices of this process.
+
+    **Arguments:** as of `drive`.
+    """
     arrays, static = eqx.partition(detector, eqx.is_array)
     count, devices = len(starts.key), jax.local_device_count()
     # Filled up with the last one, so that all devices have as many.

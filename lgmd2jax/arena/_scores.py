@@ -20,7 +20,7 @@ _CELLS = round(SIDE_CM / CELL_CM)
 class Outcome:
     """What a detector's robots did, one in each arena.
 
-    - `contacts`, `alarms`: counts. `metres`: driven.
+    - `contacts`, `alarms`: how many there were. `metres`: how far the robot drove.
     - `share_visited`: of the floor's free cells of 5 cm, how many the robot's centre came to.
     """
 
@@ -32,7 +32,7 @@ class Outcome:
     @classmethod
     @checked
     def of(cls, layouts: Sequence[Layout], trips: Trip) -> "Outcome":
-        """The outcome of trips, stacked as the layouts they were made in."""
+        """The outcome of the trips that `run` returns together with their layouts."""
         places = np.asarray(trips.pose.place)
         return cls(
             np.asarray(trips.contact).sum(axis=1),
@@ -43,22 +43,22 @@ class Outcome:
 
     @property
     def collisions_per_metre(self) -> Interval:
-        """All contacts by all metres."""
+        """Contacts a metre, all arenas together, with the 95 % interval over arenas."""
         return _bootstrap(len(self.metres), self._rate)
 
     @property
     def coverage(self) -> Interval:
-        """Mean share of the free floor's cells that were visited in the time of a trip."""
+        """The share of the free floor's cells that a robot visits in a trip, the mean over arenas with its interval."""
         return _bootstrap(len(self.metres), self._visited)
 
     @checked
     def collisions_by(self, other: "Outcome") -> Interval:
-        """Collisions per metre by those of another detector in the same arenas; NaN where neither has any."""
+        """Collisions per metre, divided by those of another detector in the same arenas; NaN where neither has any."""
         return _bootstrap(len(self.metres), lambda arenas: self._rate(arenas) / other._rate(arenas))
 
     @checked
     def coverage_by(self, other: "Outcome") -> Interval:
-        """Coverage by that of another detector in the same arenas."""
+        """Coverage, divided by that of another detector in the same arenas."""
         return _bootstrap(len(self.metres), lambda arenas: self._visited(arenas) / other._visited(arenas))
 
     def _rate(self, arenas):

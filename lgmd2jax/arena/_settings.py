@@ -12,13 +12,14 @@ SETTINGS = "arena/detectors.json"  # in fits/; `python -m benchmarks.arena --tra
 
 @checked
 def detectors(model: AbstractNetwork | None = None) -> dict[str, AbstractDetector]:
-    """By name: `none`, `table1`, `lgmd2`, `lgmd1` and `difference`.
+    """The detectors that `lgmd2jax arena` compares, by name.
 
-    They are the paper's model within Table I's ranges, the fitted one, that of Yue & Rind, and a threshold on the mean
-    change of the image.
-    Settings of all of them were chosen by `train`, on arenas of other seeds.
+    - `"none"`: no alarm ever. `"table1"`: the paper's model, within Table I's ranges. `"lgmd2"`: the fitted one.
+    - `"lgmd1"`: that of Yue & Rind. `"difference"`: a threshold on the mean change of the image.
 
-    **Arguments:** `model`: takes the place of the fitted one, as it is.
+    `train` chose the settings of all four, on arenas of other seeds.
+
+    **Arguments:** `model`: takes the place of the fitted one, for the robot's camera and otherwise as it is.
 
     **Raises:** `ValueError` for a model whose field of view is not known.
     """

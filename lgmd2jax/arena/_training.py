@@ -13,38 +13,60 @@ from tqdm import tqdm
 
 from lgmd2jax._arguments.checked import checked
 from lgmd2jax._handover.named import model_named
+from lgmd2jax._network.parameters import symbols
+from lgmd2jax._words import nearest
 from lgmd2jax.arena._detectors import AbstractDetector, FrameDifference, NetworkDetector, NoDetector
 from lgmd2jax.arena._layout import Layout
 from lgmd2jax.arena._run import Start, run, trips
 from lgmd2jax.arena._scores import Outcome
-from lgmd2jax.fitting._bounds import between
+from lgmd2jax.fitting._bounds import between, check_bounds
 
 FIRST_SEED = 1_000_000  # of the arenas for training; those judged count from 0
 LEAST_COVERAGE = 0.75  # of that without a detector; a quarter of it may be lost, as what is asked for leaves 30 %
 
 
+@checked
 @dataclasses.dataclass(frozen=True)
 class Budget:
-    """What each detector may try: so many `candidates` in each of the `arenas`, and the best in `final_arenas`."""
+    """How much each detector may try: so many `candidates` in each of the `arenas`, the best `finalists` in others.
+
+    **Raises:** `ValueError` for a number below 1, and for more finalists than candidates.
+    """
 
     candidates: int = 32
     arenas: int = 6
     finalists: int = 6
     final_arenas: int = 18
 
+    def __post_init__(self):
+        for name, count in dataclasses.asdict(self).items():
+            if count < 1:
+                raise ValueError(f"{name} is {count}; give 1 or more")
+        if self.finalists > self.candidates:
+            raise ValueError(f"finalists is {self.finalists}; give no more than the {self.candidates} candidates")
+
 
 BUDGET = Budget()
 
 
+@checked
 @dataclasses.dataclass(frozen=True)
 class Range:
-    """Where a setting is looked for, by factors where `log`. A `whole` number is rounded."""
+    """Between which values a setting is searched: `log` by factors, `whole` in whole numbers.
+
+    **Raises:** `ValueError` for a lower bound that is not below the upper one, and for one on a logarithmic scale that
+    is not positive.
+    """
 
     low: float | int
     high: float | int
     log: bool = False
     whole: bool = False
 
+    def __post_init__(self):
+        check_bounds("range", self.low, self.high, "log" if self.log else "linear")
+
+    @checked
     def at(self, share: Float[np.ndarray, " candidate"]) -> Float[np.ndarray, " candidate"]:
         """The values at shares 0..1 of the range."""
         if self.whole:
@@ -52,22 +74,38 @@ class Range:
         return between(self.low, self.high, "log" if self.log else "linear", share)
 
 
+@checked
 @dataclasses.dataclass(frozen=True)
 class Space:
-    """A detector and what is set of it.
+    """A detector, and which of its settings are searched.
 
-    `model`: the name of the one whose parameters are set; None for the threshold of a difference.
+    ```python
+    space = Space("preset:lgmd2", {"T_sp": Range(0.65, 0.78), "N_sp": Range(4, 8, whole=True)})
+    print(train(space).settings)
+    ```
+
+    - `model`: a result folder, a shipped fit or a preset, whose parameters are set; None for a `FrameDifference`.
+    - `ranges`: of these parameters by name, or of `threshold`.
     """
 
     model: str | None
     ranges: Mapping[str, Range]
 
+    @checked
     def detector(self, settings: Mapping[str, float]) -> FrameDifference | NetworkDetector:
-        """The detector with these settings."""
+        """The detector with these settings, by name.
+
+        **Raises:** `ValueError` for a model, and for a setting, that there is not.
+        """
+        model = None if self.model is None else model_named(self.model)
+        known = ("threshold",) if model is None else tuple(symbols(type(model.parameters)))
+        for name in settings:
+            if name not in known:
+                raise ValueError(f"ranges has {name!r}; choose {nearest(name, known)}")
         values = [jnp.asarray(value, jnp.float32) for value in settings.values()]
-        if self.model is None:
+        if model is None:
             return FrameDifference(*values)
-        detector = NetworkDetector.of(model_named(self.model))
+        detector = NetworkDetector.of(model)
 
         def where(detector: NetworkDetector) -> list[Any]:
             return [getattr(detector.network.parameters, name) for name in settings]
@@ -118,14 +156,17 @@ SPACES: Mapping[str, Space] = {
 
 @dataclasses.dataclass(frozen=True)
 class Training:
-    """The settings that were chosen, and what they did in the evaluation's arenas, with a robot without a detector."""
+    """The settings that were chosen, and what robots did with them in the last arenas.
+
+    - `outcome`: with these settings. `without`: in the same arenas, by robots without a detector.
+    """
 
     settings: dict[str, float]
     outcome: Outcome
     without: Outcome
 
     def plain(self) -> dict[str, Any]:
-        """As JSON."""
+        """As plain data for JSON."""
         return {
             "settings": self.settings,
             "collisions_per_metre": round(self.outcome.collisions_per_metre.value, 4),
@@ -136,9 +177,15 @@ class Training:
 
 @checked
 def train(space: Space, budget: Budget = BUDGET, *, progress: bool = False) -> Training:
-    """Drive robots by candidates, Sobol points of the space: all in a few arenas, the best in others, the best wins.
+    """Choose the settings of a detector: robots drive by all candidates in a few arenas, and by the best in others.
 
-    Better is, of those that cover `LEAST_COVERAGE` of what a robot without a detector covers, who collides less.
+    Candidates are Sobol points of the space. Of those that cover at least three quarters of the floor that a robot
+    without a detector covers, the one with the fewest collisions a metre wins. The arenas have seeds from 1,000,000 on,
+    so that none is one of an evaluation.
+
+    **Arguments:** `space`: what is searched. `budget`: how many candidates and arenas. `progress`: show a bar.
+
+    **Raises:** `ValueError` for a model, and for a setting, that there is not.
     """
     shares = qmc.Sobol(len(space.ranges), rng=np.random.default_rng(0)).random(budget.candidates)
     values = {name: each.at(share) for (name, each), share in zip(space.ranges.items(), shares.T, strict=True)}

@@ -9,11 +9,7 @@ from lgmd2jax._arguments.checked import checked
 
 @dataclasses.dataclass(frozen=True)
 class Range:
-    """Bounds of one parameter; a bound that is None is the one declared with the parameter.
-
-    - `prior`: mean and standard deviation of what is known beforehand, in the parameter's unit; it acts as a penalty
-      beside data whose errors are known.
-    """
+    """Bounds of one parameter, and perhaps a prior."""
 
     low: float | int | None = None
     high: float | int | None = None
@@ -22,12 +18,24 @@ class Range:
 
 @checked
 class Linear(Range):
-    """Bounds between which a fit measures differences: `Linear(1, 6)`, the same as the pair `(1, 6)`."""
+    """Bounds of a free parameter on a linear scale: `Linear(1, 6)`, the same as the pair `(1, 6)`.
+
+    The search then spreads its points evenly between the bounds.
+
+    **Arguments:**
+
+    - `low`, `high`: in the parameter's unit; None for the bound that is declared with the parameter.
+    - `prior`: mean and standard deviation of what is known beforehand, in the parameter's unit. It adds a penalty, and
+      needs targets whose errors are known.
+    """
 
 
 @checked
 class Log(Range):
-    """Bounds between which a fit measures factors: `Log(5, 50)`. Both bounds are positive."""
+    """Bounds of a free parameter on a logarithmic scale: `Log(5, 50)`, for what is a matter of factors.
+
+    **Arguments:** as of `Linear`; both bounds are positive.
+    """
 
 
 Scale = Literal["linear", "log"]

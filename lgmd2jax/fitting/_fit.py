@@ -68,13 +68,21 @@ def fit(
     client: "Client | None" = None,
     choose: Callable[[AbstractNetwork], float] | None = None,
 ) -> Fit:
-    """Fit a model's free parameters to target curves.
+    """Fit a model's free parameters to target curves; `fit_each` does so for each animal by itself.
 
-    One fit an animal is `fit_each(..., by="animal")`, a function of its own, since what it returns holds all their fits
-    with a table and random effects.
+    ```python
+    jax.config.update("jax_enable_x64", True)
+    eye = lgmd.Eye.preset("locust")
+    looms = [lgmd.stimuli.looming(eye, l_over_v=ms, start_ms=-1000, end_ms=300) for ms in (20.0, 40.0)]
+    twin = lgmd.LGMD2(lgmd.Parameters(k=0.5, tau3=300.0), eye=eye)
+    pairs = [(loom, lgmd.ModelTarget(model=twin)) for loom in looms]    # in its place, a `Target` with your recording
+    fit = lgmd.fit(lgmd.LGMD2(eye=eye), pairs, lgmd.Free(k=None, tau3=(100, 1000)), key=jax.random.key(0))
+    print(fit)                                      # the report: values, intervals, and what to mistrust
+    ```
 
-    The model is fitted as it is: one with hard thresholds by descents on soft ones whose temperature falls, and the
-    best *hard* candidate is the result; one with soft thresholds at its own temperature.
+    Random points within the bounds are screened, and the best are descended. A model with hard thresholds is descended
+    on soft ones whose temperature falls, and the best *hard* candidate is the result; one with soft thresholds is
+    descended at its own temperature.
 
     **Arguments:**
 
@@ -84,7 +92,8 @@ def fit(
     - `key`: of the search's random points. The same key gives the same fit.
     - `observation`: how a `rate` arises from the potential.
     - `temperatures`: of the descent, falling; by default .5, .2, .05, or that of a soft model.
-    - `pixel_points`: points of the parameters that the pixels need; `cell_points`: of those of the cell, for each.
+    - `pixel_points`: how many points of the parameters of the pixels are screened. `cell_points`: with each of them,
+      how many points of those of the cell, which cost little.
     - `descend`: how many of the best points are descended.
     - `loss`: `"squares"`, or `"huber"`, `"soft_l1"`, `"cauchy"`, which outliers cannot pull far.
     - `solver`: any optimistix least-squares solver or minimiser; by default the bounded Levenberg-Marquardt.
@@ -94,12 +103,12 @@ def fit(
       Otherwise they are weights, and the residual variance sets the scale of all uncertainty.
     - `throw`: whether to raise `RuntimeError` where the result is not `"converged"`.
     - `progress`: show a bar with the best loss so far.
-    - `memory`: a mapping that keeps finished work; given again, the fit goes on from there. That of another fit is
-      refused.
+    - `memory`: a mapping, such as a dict, that keeps finished work; given again, the fit goes on from there. That of
+      another fit is refused.
     - `client`: of a Dask cluster, on whose workers the starts are spread instead of on the cores here.
-    - `choose`: what else a model must do, as a score that is higher for a better one. Of the start, the ends of the
-      descents and points between, the model with the highest score is the result, of equals the one with the least
-      loss. Without it the least loss decides.
+    - `choose`: a function of a model that returns a score, higher for a better one: what else the model must do. Of the
+      start, the ends of the descents and points between, the model with the highest score is the result, of equals the
+      one with the least loss. Without it the least loss decides.
 
     On Ctrl-C the best so far is returned; its `result` says so. Before the first start is finished the
     `KeyboardInterrupt` goes on to the caller. Fits want float64: `jax_enable_x64`.

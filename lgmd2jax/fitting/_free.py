@@ -24,7 +24,12 @@ P = TypeVar("P", bound=ParameterSet)
 @checked
 @dataclasses.dataclass(frozen=True)
 class Tie:
-    """A parameter that follows another one, free or fixed: `theta1=Tie("theta2")` is theta1 = factor theta2."""
+    """A parameter that follows another one, free or fixed.
+
+    `Free(theta2=(1, 6), theta1=Tie("theta2", 0.5))` fits theta2 and keeps theta1 = 0.5 theta2.
+
+    **Arguments:** `to`: the name of the other. `factor`: by which its value is multiplied.
+    """
 
     to: str
     factor: Any = 1.0
@@ -82,9 +87,10 @@ class Free:
     Free(theta2=(1, 6), tau1=Log(5, 50), T_sp=None, theta1=Tie("theta2"), k=Log(prior=(1.0, 0.3)))
     ```
 
-    A pair gives bounds, None takes those declared with the parameter (`symbols()`), and whether differences or factors
-    count is declared there too; `Linear` and `Log` say it, and may carry a prior. What is not named stays fixed. Names
-    that several networks have are taken to be the LGMD2's, until a fit of another asks for its own (`of`).
+    A pair gives bounds on a linear scale. None takes bounds and scale as they are declared with the parameter
+    (`symbols()`). `Linear` and `Log` state the scale, and may carry a prior. `Tie` makes a parameter follow another.
+    What is not named stays fixed. Names that several networks have are taken to be the LGMD2's, until a fit of another
+    network asks for its own (`of`).
 
     **Raises:** `ValueError` for unknown parameters, for none that is free, for bounds that are empty or leave the
     domain, for priors without width, and for ties to what is tied itself.

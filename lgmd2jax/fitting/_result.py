@@ -23,17 +23,16 @@ from lgmd2jax._targets.observation import Observation, observation_symbols
 from lgmd2jax._targets.target import Target
 from lgmd2jax._types import check_key, strong
 from lgmd2jax._words import warn_renamed
-from lgmd2jax.fitting import _report, _supplement
+from lgmd2jax.fitting import _remarks, _report, _supplement
 from lgmd2jax.fitting._bounds import Linear
-from lgmd2jax.fitting._curve import DISAGREEMENT, Curve, predict
+from lgmd2jax.fitting._curve import Curve, predict
 from lgmd2jax.fitting._free import Free
 from lgmd2jax.fitting._problem import Problem, chi2_residuals, problem_of
 from lgmd2jax.fitting._run import Run
-from lgmd2jax.fitting._search.descent import FINAL
 from lgmd2jax.fitting._search.space import soften
 from lgmd2jax.fitting._supplement import Supplement
 from lgmd2jax.fitting._uncertainty.covariance import Uncertainty, sentences
-from lgmd2jax.fitting._uncertainty.jacobian import known_rows, sensitivity_at
+from lgmd2jax.fitting._uncertainty.jacobian import sensitivity_at
 from lgmd2jax.fitting._uncertainty.next_stimulus import Candidate, rank
 from lgmd2jax.fitting._uncertainty.posterior import Posterior, draw_posterior
 from lgmd2jax.fitting._uncertainty.profile import Profile, first_step, profile_likelihood, rise_limit
@@ -47,11 +46,19 @@ _SAME_LOSS = 0.01  # relative; runs so close to the best count as being at the s
 class Fit:
     """A fitted model with all that is known of how well it is determined.
 
+    ```python
+    fit = lgmd.load_fit("dcmd")
+    print(fit)                                 # the report
+    fit.values, fit.uncertainty.intervals      # the free parameters
+    lgmd.save(fit.model, "model.json")         # for a robot
+    ```
+
     - `model`: the best model, with the thresholds of the one that was given: hard ones, to be handed over.
-    - `observation`: from its potential to a rate, fitted where it was free.
-    - `free`: what was free. `start`: the values from which the search set out, by name.
+    - `observation`: how a rate arises from the potential, fitted where its parameters were free.
+    - `free`: what was free. `z`: the best point in the unit box, 0 to 1 for each free parameter between its bounds.
+    - `start`: the values from which the search set out, by name.
     - `loss`: half the sum of squares of `model`; `soft_loss`: of the same parameters at the last temperature.
-    - `temperatures`: of the descent, the last one being that of `soft` and of the uncertainty.
+    - `temperatures`: how soft the thresholds were in each descent; the last is that of `soft` and the uncertainty.
     - `uncertainty`: errors, intervals, correlations, information criteria, all by linearisation; of counts
       of spikes the intervals by profile likelihood.
     - `nonlinear`: the parameters within whose intervals the curves are nonlinear, so that a `profile` is needed.
@@ -60,8 +67,8 @@ class Fit:
     - `errors`: by channel, the standard error that one frame would have if its neighbours told nothing of it.
     - `result`: `"converged"`, or why the best descent stopped. `stats`: counts of what was done, settings, and
       how samples were counted and errors arose.
-    - `problem`: stimuli and targets as the fit compared with them; of a fit that was loaded None, and `data` then gives
-      them when they are first needed, or refuses where they are gone or have changed.
+    - `problem`: the stimuli and targets of the fit. Of a fit that was loaded it is None; `data` then gives them when
+      they are first needed, or refuses where they are gone or have changed.
     """
 
     model: AbstractNetwork
@@ -95,18 +102,18 @@ class Fit:
 
     @property
     def covariance(self) -> Float[np.ndarray, "free free"]:
-        """Of the free parameters, in their own units and in the order of `free.names`."""
+        """The covariance of the free parameters, in their own units and in the order of `free.names`."""
         return self.uncertainty.covariance
 
     @property
     def soft(self) -> AbstractNetwork:
-        """The same parameters at the last temperature."""
+        """The fitted model with soft thresholds, at the last temperature."""
         thresholds = soften(self.model.thresholds, strong(self.temperatures[-1]))
         return dataclasses.replace(self.model, thresholds=thresholds)
 
     @property
     def hard(self) -> AbstractNetwork:
-        """The same parameters with hard thresholds."""
+        """The fitted model with hard thresholds."""
         return dataclasses.replace(self.model, thresholds=Hard())
 
     @property
@@ -121,9 +128,11 @@ class Fit:
 
     @checked
     def predict(self, condition: Condition | Stimulus, channel: Channel | None = None) -> Float[np.ndarray, " time"]:
-        """The fitted channel for any stimulus, by `model`, at its frames.
+        """What `model` answers to any stimulus: the fitted channel, a value a frame.
 
         **Arguments:** `channel`: by default the rate, where one was fitted, else the first of `channels`.
+
+        **Raises:** `ValueError` for a condition whose parameters do not make a stimulus.
         """
         stimulus = condition if isinstance(condition, Stimulus) else condition.render()
         return predict(self.model, self.observation, stimulus, channel or self.channels[0])
@@ -131,6 +140,10 @@ class Fit:
     @checked
     def profile(self, name: str, confidence: float = 0.95) -> Profile:
         """The interval of a free parameter by its profile likelihood: all others are fitted anew as it is moved.
+
+        Where the curves are nonlinear within an interval (`nonlinear`), it is the one to trust.
+
+        **Arguments:** `confidence`: the probability with which the interval should hold the true value.
 
         **Raises:** `ValueError` for a parameter that is not free, and for a loaded fit whose data are gone.
         """
@@ -158,12 +171,13 @@ class Fit:
         warmup: int = 1000,
         progress: bool = True,
     ) -> Posterior:
-        """Draws of the free parameters given the curves, uniform within the bounds beforehand (extra `bayes`).
+        """Draws from the posterior of the free parameters, under a prior that is uniform within the bounds.
 
-        They lie in the unit box; `values_of` maps them to the parameters' own units.
+        The draws lie in the unit box; `values_of` maps them to the parameters' own units. Needs the extra `bayes`.
 
-        **Arguments:** `memory`: a mapping that keeps finished chains; given again, the draws go on from there.
-        `warmup`: steps before the draws of a chain, which adapt the sampler. `progress`: show a bar.
+        **Arguments:** `key`: of the draws. `draws`: how many of each of the `chains`. `warmup`: steps before them, that
+        adapt the sampler. `memory`: a mapping, such as a dict, that keeps finished chains; given again, the draws go on
+        from there. `progress`: show a bar.
 
         **Raises:** `ValueError` for a loaded fit whose data are gone, and without the extra.
         """
@@ -187,33 +201,17 @@ class Fit:
         return {each.name: np.asarray(each.value(draws.z[..., i])) for i, each in enumerate(self.free.parameters)}
 
     def score_test(self) -> list[Score]:
-        """Which fixed parameter, freed, would lower chi2 most, to first order: the best first.
+        """What freeing each fixed parameter would promise, to first order: the one that lowers chi2 most stands first.
 
-        Those that act on nothing here, that are tied, and that the free ones can replace are left out.
+        Left out are parameters that act on nothing here, that are tied, and that the free ones can replace.
 
         **Raises:** `ValueError` for a loaded fit whose data are gone.
         """
-        problem, u, fixed = self._problem("score_test"), self.uncertainty, dict(self._fixed())
-        if u.reason or not fixed:
+        problem, fixed = self._problem("score_test"), dict(self._fixed())
+        if self.uncertainty.reason or not fixed:
             return []
-        wider = dataclasses.replace(problem, free=self.free.also(**fixed).of(type(self.parameters)))
         values = np.array([float(getattr(self._owner(name), name)) for name in fixed])
-        bounds = np.array([(choice.low, choice.high) for choice in fixed.values()])
-        place = np.append(self.z, (values - bounds[:, 0]) / np.ptp(bounds, axis=1))
-        slopes = sensitivity_at(wider, jax.device_put(place), strong(self.temperatures[-1]))
-        jacobian, residuals = known_rows(wider, slopes)
-        scale = np.ones(len(residuals))
-        scale[: len(residuals) - problem.priors] = np.sqrt(u.variance or 1.0)
-        jacobian, residuals, count = jacobian / scale[:, None], residuals / scale, len(self.free)
-        return score_test(
-            residuals,
-            jacobian[:, :count],
-            jacobian[:, count:] / np.ptp(bounds, axis=1),
-            names=tuple(fixed),
-            values=values,
-            bounds=bounds,
-            held=u.on_bound != 0,
-        )
+        return score_test(problem, self.z, strong(self.temperatures[-1]), self.uncertainty, fixed, values)
 
     def _fixed(self) -> Iterator[tuple[str, Linear]]:
         """What acts on the curves and is not free, within its declared bounds, or up to a value beyond them."""
@@ -225,7 +223,10 @@ class Fit:
 
     @checked
     def next_stimulus(self, candidates: Sequence[Condition | Stimulus]) -> list[Candidate]:
-        """Which stimulus to record next: the one that narrows the intervals most. The best stands first."""
+        """Which stimulus to record next: the candidates, the one that narrows the intervals most first.
+
+        Each is taken to be recorded with the errors that the targets of this fit have, in the same channels.
+        """
         temperature = strong(self.temperatures[-1])
         stimuli = [candidate if isinstance(candidate, Stimulus) else candidate.render() for candidate in candidates]
         jacobians = []
@@ -273,58 +274,16 @@ class Fit:
 
     def remarks(self) -> list[str]:
         """What a reader must know before trusting the numbers, a sentence each."""
-        remarks = []
-        if choice := self.stats.get("choice"):
-            remarks.append(
-                f"Of {choice['candidates']} candidates this one was chosen for its score of {choice['score']:g}; the "
-                f"least loss is {choice['least_loss']:.4g}, with a score of {choice['score_of_least_loss']:g}. Errors "
-                "and intervals are those of the curves alone, near the chosen point."
-            )
-        elif self.result not in FINAL:
-            remarks.append(f"The last descent did not converge: {self.result}.")
-        sides = zip(self.values.items(), self.uncertainty.on_bound, strict=True)
-        bounds = [f"{name} ({value:.4g})" for (name, value), side in sides if side]
-        if bounds:
-            remarks.append(f"On a bound: {', '.join(bounds)}. Wider bounds may fit better.")
-        u = self.uncertainty
-        if u.absolute and not u.reason and not _report.consistent(u):
-            remarks.append(
-                f"The misfit is not consistent with the errors of the targets (chi2 {u.chi2:.3g} for "
-                f"{u.degrees_of_freedom:.4g} degrees of freedom): the model, or the errors, are wrong, and "
-                "the intervals, which believe them, are too narrow."
-            )
-        if missed := [curve for curve in self.curves if curve.grade == "missed"]:
-            count = f"{len(missed)} of {len(self.curves)} targets {'is' if len(missed) == 1 else 'are'} missed"
-            remarks.append(f"{count}, {self._why_missed}: {_listed(missed)}. The table says by how much.")
-        if apart := [curve for curve in self.curves if curve.gap > DISAGREEMENT]:
-            largest = max(curve.gap for curve in apart)
-            remarks.append(
-                f"Soft and hard model differ, by {largest:.0%} of the span at most: {_listed(apart)}. Grades are those "
-                "of the hard model; errors and intervals are those of the soft one, and hold less well."
-            )
-        if loud := self.stats.get("inhibition_in_noise"):
-            threshold = self.model.levels.inhibited_from
-            remarks.append(
-                f"The conditions' noise alone, {loud['noise']:g} grey levels at {loud['fps']:g} frames per second, "
-                f"brings the inhibition to {loud['share']:.0%} of {threshold}: let "
-                f"{'T_p' if threshold == 'A_ffi' else threshold} rise."
-            )
-        if self.nonlinear:
-            remarks.append(
-                f"The curves are nonlinear within the intervals of {', '.join(self.nonlinear)}: profile-likelihood "
-                "intervals are right there, by profile in the recipe's [uncertainty] or Fit.profile."
-            )
-        return remarks + sentences(self.uncertainty)
-
-    @property
-    def _why_missed(self) -> str:
-        """What the search says of targets that are missed: that none can be met takes descents that agree."""
-        descents = f"{self.best_count} of {len(self.runs)} descents"
-        if "choice" in self.stats:
-            return "for the candidate was not chosen by its loss"
-        if self.best_count > max(len(self.runs) / 2, 1):
-            return f"and the model cannot meet them within its bounds, as {descents} agree"
-        return f"and a wider search may do better, as {descents} ended here"
+        return [
+            *_remarks.on_search(self.result, self.stats),
+            *_remarks.on_bounds(self.values, self.uncertainty),
+            *_remarks.on_misfit(self.uncertainty),
+            *_remarks.on_missed_targets(self.curves, self.stats, self.best_count, len(self.runs)),
+            *_remarks.on_hard_and_soft(self.curves),
+            *_remarks.on_noise(self.stats, self.model.levels.inhibited_from),
+            *_remarks.on_nonlinear(self.nonlinear),
+            *sentences(self.uncertainty),
+        ]
 
     @property
     def best_count(self) -> int:
@@ -407,14 +366,6 @@ class Fit:
     @functools.cached_property
     def _loaded_problem(self) -> Problem:
         return self.data(self)  # pyright: ignore[reportOptionalCall]
-
-
-def _listed(curves: Sequence[Curve]) -> str:
-    """The conditions of some curves, each with its channels."""
-    channels: dict[str, dict[str, None]] = {}
-    for curve in curves:
-        channels.setdefault(curve.condition, {})[curve.channel] = None
-    return ", ".join(f"{condition} ({', '.join(names)})" for condition, names in channels.items())
 
 
 def _figures() -> Any:

@@ -161,3 +161,4 @@ class Panorama(Background):
 
 
 BACKGROUNDS: dict[str, type[Background]] = {"uniform": Uniform, "photograph": Photograph, "panorama": Panorama}
+"""The backgrounds by the `kind` that a protocol gives."""

@@ -33,14 +33,14 @@ def camera(
     blur: Pixels = 0.0,
     bits: int | None = 8,
 ) -> Stimulus:
-    """The stimulus as a camera delivers it: what tells a recorded clip from a synthetic one.
+    """The stimulus as a camera delivers it, with blur, flicker of the light, noise and whole grey levels.
 
     **Arguments:**
 
     - `key`: of the noise, and of the phase of the flicker.
     - `noise`: standard deviation of the sensor's noise, in grey levels; independent for pixels and frames.
-    - `flicker`: of the light, as a share of its strength.
-    - `flicker_hz`: its frequency; sampled at the moment of a frame, so that it beats with the frame rate.
+    - `flicker`: amplitude of the light's flicker, as a share of its mean strength.
+    - `flicker_hz`: frequency of the flicker; a frame samples it at one moment, so that it beats with the frame rate.
     - `blur`: standard deviation of the lens's Gaussian, in pixels.
     - `bits`: of the digital output, 0..255 in 2^bits steps; None for an analogue one. Rounding passes slopes unchanged.
 

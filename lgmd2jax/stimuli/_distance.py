@@ -19,11 +19,14 @@ _GRAVITY_CM = 981.0  # cm/s2
 
 
 class Distance(eqx.Module):
-    """d/l over time in ms, where 0 is when the object would touch the eye."""
+    """The distance of an object from the eye over time, in half-sizes (d/l). One of your own is a subclass.
+
+    Times are in ms; at 0 the object would touch the eye.
+    """
 
     @abc.abstractmethod
     def __call__(self, time: Times) -> Times:
-        """The distance in half-sizes; it falls with time, or stands."""
+        """The distance in half-sizes at each time; it falls with time, or stands."""
 
     @abc.abstractmethod
     def reached(self, distance: Scalar) -> Scalar:
@@ -99,6 +102,10 @@ class Rolling(Distance):
 class Tabulated(Distance):
     """Any approach, as a table that is interpolated linearly; the object stands before and after.
 
+    ```python
+    looming(eye, distance=Tabulated([-1000, -200, 0], [40, 2, 0.5]))    # fast, then slower
+    ```
+
     **Arguments:**
 
     - `time_ms`: ascending, with 0 where the object would touch the eye.
@@ -129,3 +136,4 @@ class Tabulated(Distance):
 
 
 DISTANCES: dict[str, type[Distance]] = {"rolling": Rolling, "tabulated": Tabulated}
+"""The laws of approach by the `kind` that a protocol gives its `distance`."""

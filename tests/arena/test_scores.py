@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from lgmd2jax._files.catalogue import folder
-from lgmd2jax.arena import Layout, Outcome, random_layout
+from lgmd2jax.arena import Budget, Layout, Outcome, Space, random_layout
 from lgmd2jax.arena._layout import FEWEST, GAP_CM, MOST, SIDE_CM
 from lgmd2jax.arena._scores import share_visited
 from lgmd2jax.arena._settings import SETTINGS
@@ -68,6 +68,22 @@ def test_ranges_are_searched_to_their_ends():
     np.testing.assert_allclose(Range(2, 8).at(ends), [2, 8])
     np.testing.assert_allclose(Range(2, 8, log=True).at(ends), [2, 8])
     assert Range(2, 8, whole=True).at(ends).tolist() == [2, 8]
+
+
+@pytest.mark.parametrize(
+    ("make", "told"),
+    [
+        (lambda: Range(3, 2), "the first must be below the second"),
+        (lambda: Range(0, 2, log=True), "must be positive"),
+        (lambda: Budget(arenas=0), "arenas is 0; give 1 or more"),
+        (lambda: Budget(candidates=4), "finalists is 6; give no more than the 4 candidates"),
+        (lambda: Space("preset:lgmd2", {}).detector({"t_sp": 0.7}), "ranges has 't_sp'; choose 'T_sp'"),
+        (lambda: Space(None, {}).detector({"T_sp": 0.7}), "ranges has 'T_sp'; choose 'threshold'"),
+    ],
+)
+def test_what_cannot_be_searched_is_refused(make, told):
+    with pytest.raises(ValueError, match=told):
+        make()
 
 
 def test_the_shipped_settings_lie_in_their_ranges_and_were_chosen_by_one_budget():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import scipy
 
-from lgmd2jax.fitting._uncertainty.score import score_test
+from lgmd2jax.fitting._uncertainty.score import promises
 
 NOISE = np.random.default_rng(0)
 ALL = NOISE.normal(size=(60, 5))
@@ -15,7 +15,7 @@ def scores(held=(False, False), bounds=(-10.0, 10.0)):
     """Two parameters are free and fitted, three are fixed at 0."""
     free = ALL[:, :2]
     best = np.linalg.lstsq(free, DATA, rcond=None)[0]
-    return score_test(
+    return promises(
         free @ best - DATA,
         free,
         ALL[:, 2:],
@@ -51,5 +51,5 @@ def test_what_a_free_parameter_can_replace_is_left_out():
     free = ALL[:, :2]
     twice = np.stack([2 * free[:, 0] - free[:, 1], np.zeros(60)], axis=1)
     settings = {"names": ("d", "e"), "values": np.zeros(2), "bounds": np.tile([-1.0, 1.0], (2, 1))}
-    assert score_test(DATA, free, twice, held=np.array([False, False]), **settings) == []
-    assert [score.name for score in score_test(DATA, free, twice, held=np.array([True, False]), **settings)] == ["d"]
+    assert promises(DATA, free, twice, held=np.array([False, False]), **settings) == []
+    assert [score.name for score in promises(DATA, free, twice, held=np.array([True, False]), **settings)] == ["d"]

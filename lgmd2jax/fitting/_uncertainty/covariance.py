@@ -38,14 +38,15 @@ class Uncertainty:
     - `variance`: of a residual; 1 where the errors are `absolute`, else the reduced chi2.
     - `n_effective`: independent samples, `degrees_of_freedom` those that are left. `chi2`, `reduced_chi2`, `aic`,
       `bic`: of independent samples (definitions as in lmfit).
+    - `reason`: empty, or why there are no errors.
 
     Of a band, a sample within says that the response lies there and no more. It adds nothing to chi2 and to the
     information, and leaves no degree of freedom, so that samples within do not make the residual variance of those
     outside look small. `n_effective` counts it, since BIC asks how much was asked of the model. With bands -2 ln L is
     chi2 by the errors that were given (a density flat within the band, with Gaussian flanks), and AIC and BIC are chi2
     and their penalties; lmfit's n ln(chi2/n) would ask for the variance of samples of which most have none.
+
     Of counts of spikes chi2 is Pearson's, and -2 ln L in AIC and BIC that of the Poisson process.
-    - `reason`: empty, or why there are no errors.
     """
 
     names: tuple[str, ...]

@@ -1,11 +1,19 @@
 """Which fixed parameter, freed, would lower chi2 most: a score test from the slopes at the best fit."""
 
-from collections.abc import Sequence
+import dataclasses
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
+import jax
 import numpy as np
 import scipy
 from jaxtyping import Bool, Float
+
+from lgmd2jax._types import Scalar
+from lgmd2jax.fitting._bounds import Linear
+from lgmd2jax.fitting._problem import Problem
+from lgmd2jax.fitting._uncertainty.covariance import Uncertainty
+from lgmd2jax.fitting._uncertainty.jacobian import known_rows, sensitivity_at
 
 
 class Score(NamedTuple):
@@ -24,6 +32,37 @@ class Score(NamedTuple):
 
 
 def score_test(
+    problem: Problem,
+    z: Float[np.ndarray, " free"],
+    temperature: Scalar,
+    u: Uncertainty,
+    fixed: Mapping[str, Linear],
+    values: Float[np.ndarray, " candidate"],
+) -> list[Score]:
+    """The fixed parameters of a problem, the one that promises most first.
+
+    **Arguments:** `z`: the best fit, with its uncertainty `u`. `fixed`: by name the bounds of each. `values`: at which
+    they are fixed.
+    """
+    bounds = np.array([(choice.low, choice.high) for choice in fixed.values()])
+    wider = dataclasses.replace(problem, free=problem.free.also(**fixed).of(type(problem.model.parameters)))
+    place = np.append(z, (values - bounds[:, 0]) / np.ptp(bounds, axis=1))
+    jacobian, residuals = known_rows(wider, sensitivity_at(wider, jax.device_put(place), temperature))
+    scale = np.ones(len(residuals))
+    scale[: len(residuals) - problem.priors] = np.sqrt(u.variance or 1.0)
+    jacobian, residuals, count = jacobian / scale[:, None], residuals / scale, len(z)
+    return promises(
+        residuals,
+        jacobian[:, :count],
+        jacobian[:, count:] / np.ptp(bounds, axis=1),
+        names=tuple(fixed),
+        values=values,
+        bounds=bounds,
+        held=u.on_bound != 0,
+    )
+
+
+def promises(
     residuals: Float[np.ndarray, " n"],
     jacobian: Float[np.ndarray, "n free"],
     candidates: Float[np.ndarray, "n candidate"],
@@ -50,8 +89,9 @@ def score_test(
         curvature, fall = float(slope @ slope), -float(slope @ rest)
         if curvature <= 1e-12 * float(whole @ whole):  # the free ones can replace it, or it changes nothing
             continue
+        value = float(value)
         better = float(np.clip(value + fall / curvature, low, high))
         step = better - value
         decrease = 2 * fall * step - curvature * step**2
-        scores.append(Score(name, float(value), better, decrease, float(scipy.stats.chi2.sf(decrease, 1))))
+        scores.append(Score(name, value, better, decrease, float(scipy.stats.chi2.sf(decrease, 1))))
     return sorted(scores, key=lambda score: -score.decrease)
