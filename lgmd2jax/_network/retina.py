@@ -1,9 +1,10 @@
 """The retina: photoreceptors, and the split into ON and OFF (eqs 1-3). Pure functions of one frame."""
 
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from lgmd2jax._network.maps import pool
+from lgmd2jax._network.maps import folded, pool
 from lgmd2jax._types import Map, Scalar, is_concrete
 
 
@@ -57,11 +58,18 @@ def residual(y: Map, previous: Map, sigma1: Float[Array, ""]) -> Map:
     return y + sigma1 * previous
 
 
+@jax.custom_jvp
 def magnitude(x: Float[Array, " *map"]) -> Float[Array, " *map"]:
     """abs(x) with slope 0 at 0. `jnp.abs` has slope 1 there, which makes every pixel at rest wrong."""
-    return jnp.maximum(x, 0) + jnp.maximum(-x, 0)
+    return jnp.abs(x)
+
+
+@magnitude.defjvp
+def _magnitude_jvp(primals, tangents):
+    (x,), (along,) = primals, tangents
+    return magnitude(x), jnp.sign(x) * along
 
 
 def mean_change(p: Map) -> Scalar:
     """Eq. 13: F, the mean of abs(P)."""
-    return pool(magnitude(p), 1 / p.size)
+    return pool(folded(magnitude(p)), 1 / p.size)

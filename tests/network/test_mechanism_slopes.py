@@ -93,7 +93,7 @@ def test_the_fast_scan_is_the_plain_one():
 )
 def test_only_what_is_perturbed_and_remembers_carries_maps(mechanisms, n_p, of_p, kept):
     """M is held without a border, so the clip is so large here that a map of either kind counts as one."""
-    frames, own = jnp.zeros((3, 70, 80)), 8 + kept  # ON, OFF, D_on, D_off, M, those of P, three to lay borders onto
+    frames, own = jnp.zeros((3, 50, 60)), 6 + kept  # ON, OFF, D_on, D_off, M, those of P, one to lay a border onto
     more = {"tau1": 3, "sigma1": 5, of_p: 5 + kept, "T_p": 1, "tau_hold": 1}
     for name in ("tau1", of_p, "T_p", "tau_hold", "A_ffi", "lag"):
 
@@ -102,7 +102,7 @@ def test_only_what_is_perturbed_and_remembers_carries_maps(mechanisms, n_p, of_p
             model = lgmd.LGMD2(parameters, lgmd.Soft(0.5), n_p=n_p, mechanisms=mechanisms)
             return model(frames, 30.0).smp_adapted
 
-        carried = maps_carried(jax.jacfwd(response), getattr(PARAMETERS, name), size=70 * 80)
+        carried = maps_carried(jax.jacfwd(response), getattr(PARAMETERS, name), size=50 * 60)
         assert carried == own + more.get(name, 0), name
 
 

@@ -84,6 +84,11 @@ def test_the_height_of_a_tile(rows, cols, expected):
     assert tiles.tile_height(rows, 4 * cols) == expected
 
 
+def test_a_derivative_has_lower_tiles_since_it_keeps_more_maps():
+    assert tiles.tile_height(240, 4 * 320, tiles.DERIVED) == 24
+    assert tiles.tile_height(72, 4 * 99, tiles.DERIVED) == 72
+
+
 @pytest.mark.parametrize("levels", [jnp.uint8, jnp.int16, jnp.float32])
 def test_frames_of_any_kind_have_tiles_of_one_height(levels):
     """The maps of a tile are floats, however little room the frames take."""
