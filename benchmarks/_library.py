@@ -8,6 +8,8 @@ import jax.numpy as jnp
 import lgmd2jax as lgmd
 from benchmarks._task import FPS, PARAMETERS, SMALL
 
+MECHANISMS = tuple(name for name in lgmd.MECHANISMS if name != "lamina")  # which excludes another one
+
 
 def parameters() -> lgmd.Parameters:
     """Those of the task."""

@@ -13,7 +13,8 @@ while True:
 `load` proves itself: the file carries a short clip with the response to it, which must come out.
 `model.step(frame, interval=ms)` takes the time since the last frame where the camera's clock is known, and
 `model(frames)` gives the response to a whole clip. The equations are those of Fu, Hu & Yue (arXiv 1801.06452), with the
-mechanisms that the file names: inhibition that codes size, a graded shunt, a lag, a membrane, change per time.
+mechanisms that the file names: inhibition that codes size, a graded shunt, a lag, a membrane, change per
+time, a lamina.
 
 It runs on Python 3.8 and NumPy 1.17 or later.
 """
@@ -56,6 +57,7 @@ MECHANISMS = {
     "lag": {"lag": "[0, 80]"},
     "membrane": {"tau_cell": "[0, inf)"},
     "rate": {},
+    "lamina": {"tau_lamina": "(0, inf)"},
 }
 EYE = ("rows", "cols", "degrees_per_pixel", "fps", "projection")
 MOST_FRAMES = 10000  # of persistence or of a window; more would only fill the memory
@@ -135,6 +137,8 @@ class HardLGMD2:
         self.fps, self.n_p, self.low_pass, self.N_ts = fps, n_p, low_pass, N_ts
         u = self.parameters["u"]
         self._persistence = [1 / (1 + math.exp(min(u * i, 700))) for i in range(1, n_p + 1)]
+        if n_p and "lamina" in mechanisms:
+            raise ValueError(f"n_p is {n_p}; a lamina stands in the place of persistence: give n_p=0")
         if sum(self._persistence) >= 1:
             raise ValueError(f"u is {u:g} with n_p = {n_p}: the persistence is not stable; raise u or lower n_p")
         self.reset()
@@ -194,7 +198,7 @@ class HardLGMD2:
 
     def _start(self, frame):
         self._luminance = frame
-        self._history = [np.zeros_like(frame)] * self.n_p
+        self._history = [np.zeros_like(frame)] * (1 if "lamina" in self.mechanisms else self.n_p)
         self._on = self._off = self._d_on = self._d_off = self._held = np.zeros_like(frame)
         self._ffi, self._smp, self._smp_adapted, self._excitation = 0.0, 0.5, 0.5, 0.0
         self._past = []  # ms ago, MP, F; the newest first
@@ -205,9 +209,14 @@ class HardLGMD2:
         """Eqs 1-8: the S layer. Eq. 13 by thirds, or how many pixels changed of late: the sums whose mean is F."""
         v = self.parameters
         p = frame - self._luminance
-        for share, past in zip(self._persistence, self._history):
+        shares = self._persistence
+        if "lamina" in self.mechanisms:  # dP/dt = dL/dt - P/tau, exact where luminance changes evenly in a frame
+            frames = interval / v["tau_lamina"]
+            p = -math.expm1(-frames) / frames * p
+            shares = [math.exp(-frames)]
+        for share, past in zip(shares, self._history):
             p = p + share * past
-        self._luminance, self._history = frame, [p, *self._history][: self.n_p]
+        self._luminance, self._history = frame, [p, *self._history][: len(shares)]
         self._on = np.maximum(p, 0) + v["sigma1"] * self._on
         self._off = np.maximum(-p, 0) + v["sigma1"] * self._off
         a = self._coefficient(v["tau1"], interval)
@@ -218,7 +227,8 @@ class HardLGMD2:
         s = v["theta1"] * s_on + v["theta2"] * s_off + v["theta3"] * s_on * s_off
         if "size" not in self.mechanisms:
             return s, _thirds(np.abs(p))
-        changed = self._d_on + self._d_off > a * v["T_p"]
+        height = v["T_p"] if "lamina" in self.mechanisms else a * v["T_p"]
+        changed = self._d_on + self._d_off > height
         self._held = np.where(changed, 1.0, math.exp(-interval / v["tau_hold"]) * self._held)
         return s, _thirds(self._held)
 
@@ -458,6 +468,8 @@ def _check_names(mechanisms):
             raise ValueError(f"mechanism {name!r} is unknown; there are {', '.join(MECHANISMS)}")
     if "membrane" in mechanisms and "shunt" not in mechanisms:
         raise ValueError("mechanisms has a membrane, which needs the shunt; add the shunt")
+    if "lamina" in mechanisms and "rate" in mechanisms:
+        raise ValueError("mechanisms has a lamina, whose changes do not depend on the frame rate; remove rate")
 
 
 def _check_tables(mechanisms):

@@ -165,7 +165,7 @@ def trajectories(layouts: Sequence[Layout], trips: Trip, title: str) -> Image:
         trajectories_figure(path, layouts, trips, title)
         with Picture.open(path) as picture:
             size = 1000, round(1000 * picture.height / picture.width)
-            return _small(picture.convert("RGB").resize(size).quantize(64))
+            return _small(picture.convert("RGB").resize(size).quantize(64, Picture.Quantize.FASTOCTREE))
 
 
 @style.context(STYLE)

@@ -63,7 +63,8 @@ def respond(frames, fps, v, temperature=None, n_p=0, low_pass="backward_euler", 
                 total += WEIGHTS[i + 1][j + 1] * d[inside(x + i, rows)][inside(y + j, cols)]
         return total
 
-    before, history = frames[0], [zeros() for _ in range(n_p)]
+    kept = 1 if "lamina" in mechanisms else n_p
+    before, history = frames[0], [zeros() for _ in range(kept)]
     on, off, d_on, d_off = zeros(), zeros(), zeros(), zeros()
     held = zeros()
     ffi, excitation, u_before, adapted, spikes_before = 0.0, 0.0, 0.5, 0.5, [0.0] * N_ts
@@ -74,9 +75,12 @@ def respond(frames, fps, v, temperature=None, n_p=0, low_pass="backward_euler", 
         p = zeros()
         for x, y in pixels:  # eq. 1
             p[x][y] = frame[x][y] - before[x][y]
+            if "lamina" in mechanisms:  # what came at a steady rate since the frame before, and faded since then
+                left = math.exp(-ti / v["tau_lamina"])
+                p[x][y] = p[x][y] / ti * v["tau_lamina"] * (1 - left) + left * history[0][x][y]
             for i in range(1, n_p + 1):
                 p[x][y] += history[i - 1][x][y] / (1 + math.exp(v["u"] * i))
-        before, history = frame, [p, *history][:n_p]
+        before, history = frame, [p, *history][:kept]
 
         for x, y in pixels:  # eqs 2-4
             on[x][y] = max(p[x][y], 0.0) + v["sigma1"] * on[x][y]
@@ -98,7 +102,7 @@ def respond(frames, fps, v, temperature=None, n_p=0, low_pass="backward_euler", 
 
         delayed = [[d_on[x][y] + d_off[x][y] for y in range(cols)] for x in range(rows)]
         if "size" in mechanisms:  # the share of the field that changed recently
-            height = coefficient(v["tau1"]) * v["T_p"]
+            height = v["T_p"] if "lamina" in mechanisms else coefficient(v["tau1"]) * v["T_p"]
             for x, y in pixels:
                 now = changed(delayed[x][y], height)
                 held[x][y] = now + (1 - now) * math.exp(-ti / v["tau_hold"]) * held[x][y]

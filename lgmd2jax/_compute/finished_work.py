@@ -63,7 +63,7 @@ class FileMemory(dict[str, Any]):
                 file.write(_line(key, value) + "\n")
         else:  # written anew: what a kill has torn at its end is gone
             lines = [_line("digest", self._digest), *(_line(*item) for item in self.items())]
-            with replaced(self._path) as temporary:
+            with replaced(self._path, is_result=False) as temporary:
                 temporary.write_text("\n".join(lines) + "\n", encoding="utf-8")
             self._begun = True
 

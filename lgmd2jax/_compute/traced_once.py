@@ -144,7 +144,7 @@ def _compiled(function: Callable, path: Path, arguments: Any, arrays: list) -> _
         return None
     with contextlib.suppress(OSError, ValueError):  # a full disk, a folder in its place
         path.parent.mkdir(parents=True, exist_ok=True)
-        with replaced(path) as temporary:
+        with replaced(path, is_result=False) as temporary:
             temporary.write_bytes(hashlib.sha256(content).digest() + content)
     return _Program(compiled, out)
 

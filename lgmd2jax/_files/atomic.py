@@ -9,14 +9,17 @@ from pathlib import Path
 from typing import Any
 
 from lgmd2jax._files.temporary import temporary_beside
+from lgmd2jax._files.written import note
 
 
 @contextlib.contextmanager
-def replaced(path: str | os.PathLike) -> Iterator[Path]:
+def replaced(path: str | os.PathLike, *, is_result: bool = True) -> Iterator[Path]:
     """Write to the yielded temporary path; it becomes `path` when the block ends well and is removed when it does not.
 
     The temporary file stands in the same folder, with the same suffix (writers choose a format by it), and is made at
     once, so that a folder that cannot be written to is known before the work starts.
+
+    **Arguments:** `is_result`: whether a user is told of it, other than of a cache.
 
     **Raises:** `ValueError` when `path` cannot become a file: its folder does not exist or refuses, or it is no file;
     `OSError`, which names the folder, for a disk that is full.
@@ -35,6 +38,8 @@ def replaced(path: str | os.PathLike) -> Iterator[Path]:
         with naming(path.absolute().parent):
             yield temporary
         os.replace(temporary, path)
+        if is_result:
+            note(path)
     finally:
         temporary.unlink(missing_ok=True)
 
@@ -94,7 +99,7 @@ def read_toml(path: Path) -> dict[str, Any]:
     try:
         return tomllib.loads(path.read_text(encoding="utf-8"))
     except (ValueError, RecursionError) as error:  # also a number of 5,000 digits, and 1,000 lists in each other
-        raise ValueError(f"{path} is not a TOML file: {error}") from error
+        raise ValueError(f"{path} is not a TOML file: {_reason(error)}") from error
 
 
 def read_json(path: Path) -> Any:
@@ -106,4 +111,8 @@ def read_json(path: Path) -> Any:
     try:
         return json.loads(path.read_text(encoding="utf-8"))
     except (ValueError, RecursionError) as error:
-        raise ValueError(f"{path} is not a JSON file: {error}") from error
+        raise ValueError(f"{path} is not a JSON file: {_reason(error)}") from error
+
+
+def _reason(error: Exception) -> str:
+    return "it holds no text in UTF-8" if isinstance(error, UnicodeDecodeError) else str(error)

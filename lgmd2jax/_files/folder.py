@@ -10,6 +10,7 @@ from pathlib import Path
 
 from lgmd2jax._files.atomic import naming
 from lgmd2jax._files.temporary import is_temporary, temporary_beside
+from lgmd2jax._files.written import note
 
 
 @contextlib.contextmanager
@@ -38,6 +39,7 @@ def replaced_folder(folder: Path, marker: str, own: Collection[str]) -> Iterator
             _exchange(temporary, folder)
         else:
             temporary.rename(folder)
+        note(folder)
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
 

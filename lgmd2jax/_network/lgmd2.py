@@ -25,7 +25,8 @@ _SHARE_OF_FIELD = Description(
     "1", "share of the field that changed recently, delayed (eq. 14)", "FFI, share of the field"
 )
 _PER_TIME = Description("grey level", "delayed feed-forward inhibition in 1/30 s (eq. 14)", "FFI in 1/30 s")
-MECHANISMS = ("size", "shunt", "lag", "membrane", "rate")
+MECHANISMS = ("size", "shunt", "lag", "membrane", "rate", "lamina")
+"""What the paper's circuit does not have, by the names that `LGMD2(mechanisms=...)` takes."""
 ABLATIONS: Mapping[str, Mapping[str, float]] = {
     "ffi": {"T_ffi": 1e9},
     "sfa": {"T_sfa": -1.0, "tau3": 1e9},
@@ -33,6 +34,7 @@ ABLATIONS: Mapping[str, Mapping[str, float]] = {
     "on": {"theta1": 0.0, "theta3": 0.0},
     "off": {"theta2": 0.0, "theta3": 0.0},
 }
+"""The mechanisms of the paper's circuit, with the values of parameters by which `ablate` takes each out."""
 
 
 @checked
@@ -57,8 +59,10 @@ class LGMD2(AbstractNetwork):
     - `mechanisms`: what the paper's circuit does not have, some of `"size"` (inhibition codes size: F is the share
       of the field that changed of late, and A_ffi its threshold), `"shunt"` (inhibition divides, and the excitation
       has an exponent), `"lag"` (the cell sees the pixels late), `"membrane"` (the excitation is low-passed, which
-      needs the shunt) and `"rate"` (the cell sees change per time instead of per frame: MP and F are scaled to a frame
-      of 1/30 s by the interval that each frame had, so that k and T_ffi are right at any frame rate).
+      needs the shunt), `"rate"` (the cell sees change per time instead of per frame: MP and F are scaled to a frame
+      of 1/30 s by the interval that each frame had, so that k and T_ffi are right at any frame rate) and `"lamina"`
+      (a change of luminance fades with tau_lamina instead of after a frame, so that T_s, T_ffi and k are right at any
+      frame rate; without persistence and without `"rate"`).
     - `eye`: the sampling that the parameters belong to; where it is given, `fps` may be left out of a call.
 
     **Raises:** `ValueError` for structure that does not exist and for persistence that is not stable.
@@ -76,10 +80,17 @@ class LGMD2(AbstractNetwork):
         structure_fields(LGMD2)["mechanisms"].check("mechanisms", self.mechanisms)
         if "membrane" in self.mechanisms and "shunt" not in self.mechanisms:
             raise ValueError(f"mechanisms is {self.mechanisms}; a membrane needs the shunt: add 'shunt'")
+        if {"lamina", "rate"} <= set(self.mechanisms):
+            raise ValueError(
+                f"mechanisms is {self.mechanisms}; with a lamina changes do not depend on the frame rate: remove 'rate'"
+            )
+        if "lamina" in self.mechanisms and self.n_p:
+            raise ValueError(f"n_p is {self.n_p}; a lamina stands in the place of persistence: give n_p=0")
 
     @property
     def pixels(self) -> Pixels:
-        return Pixels(self.parameters, self.thresholds, self.n_p, self.low_pass, "size" in self.mechanisms)
+        codes_size, has_lamina = "size" in self.mechanisms, "lamina" in self.mechanisms
+        return Pixels(self.parameters, self.thresholds, self.n_p, self.low_pass, codes_size, has_lamina)
 
     @property
     def cell(self) -> Cell:
@@ -99,7 +110,7 @@ class LGMD2(AbstractNetwork):
 
     @property
     def unused(self) -> frozenset[str]:
-        """What belongs to mechanisms that the model does not have; T_ffi where inhibition codes size; u without n_p."""
+        """Parameters of mechanisms that the model does not have; T_ffi where inhibition codes size; u without n_p."""
         unused = {
             name for name, known in declared(Parameters).items() if known.mechanism not in (None, *self.mechanisms)
         }
@@ -124,10 +135,14 @@ class LGMD2(AbstractNetwork):
 
     def at_interval(self, ratio: float):
         """As of any network, but that persistence over more than one frame stays as it is; k and T_ffi too, where they
-        are compared with change per time.
+        are compared with change per time, and with T_s where a lamina sees changes.
         """
         other = super().at_interval(ratio)
-        kept = (() if self.n_p == 1 else ("u",)) + (("k", "T_ffi") if "rate" in self.mechanisms else ())
+        kept = () if self.n_p == 1 else ("u",)
+        if {"rate", "lamina"} & set(self.mechanisms):
+            kept += "k", "T_ffi"
+        if "lamina" in self.mechanisms:
+            kept += ("T_s",)
         values = {name: getattr(self.parameters, name) for name in kept}
         return dataclasses.replace(other, parameters=dataclasses.replace(other.parameters, **values))
 

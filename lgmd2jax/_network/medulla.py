@@ -13,11 +13,7 @@ from lgmd2jax._types import Map, Scalar
 
 
 def lateral(d: Bordered) -> Map:
-    """Eqs 5, 6: W * D with W = 0 at the centre, .25 for the nearest and .125 for the diagonal neighbours.
-
-    W is the same when turned around, so that the spread is its own adjoint, but for the border:
-    sum(x lateral(y)) = sum(lateral(x_padded) y), where x is padded with two zeros on each side.
-    """
+    """Eqs 5, 6: W * D with W = 0 at the centre, .25 for the nearest and .125 for the diagonal neighbours."""
     nearest, diagonal = _neighbours(d)
     return nearest / 4 + diagonal / 8
 

@@ -13,8 +13,8 @@ def inhibition_in_noise(model: AbstractNetwork, noise: float | int = 2.0, fps: f
     """The inhibition that a camera's noise alone brings about, as a share of the one that inhibits the cell.
 
     With size-coding inhibition every frame is another chance for a pixel to count as changed, and it counts for
-    tau_hold, so noise fills more of the field as the frame rate rises. From about a half on it takes part of every
-    response away: T_p must rise (without size-coding inhibition T_ffi).
+    tau_hold, so noise fills more of the field as the frame rate rises; behind a lamina about as much at any rate. From
+    about a half on it takes part of every response away: T_p must rise (without size-coding inhibition T_ffi).
 
     **Arguments:**
 

@@ -40,8 +40,9 @@ class Symbol:
     - `scale`: how a fit measures within the bounds; `"log"` for what is a matter of factors.
     - `stage`: `"pixels"` where MP and F depend on it, `"cell"` where it acts on them.
     - `per_frame`: what becomes of it at another frame rate. `"change"`: it is compared with a change in a frame and
-      goes with the time that a frame lasts; `"share"`: that much is left after a frame; `"persistence"`:
-      1/(1 + exp(u)) is left, where it acts over one frame; `"count"`: it counts in frames.
+      goes with the time that a frame lasts, unless the network sees changes per time (`at_frame_rate` tells which);
+      `"share"`: that much is left after a frame; `"persistence"`: 1/(1 + exp(u)) is left, where it acts over one frame;
+      `"count"`: it counts in frames.
     - `of_field`: whether it is compared with a mean over the field of view, of which an object of one size is a smaller
       share where the field is larger.
     - `mechanism`: the optional mechanism that it belongs to; None for what the network always has.

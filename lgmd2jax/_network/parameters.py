@@ -15,6 +15,7 @@ _SIZE = "inhibition codes size: Wang, Dewell, Zhu & Gabbiani 2018; Gabbiani, Coh
 _SHUNT = "multiplication by division: Keil 2011; exponentiation: Gabbiani et al. 2002" + _OURS
 _LAG = "delays of photoreceptors, lamina and synapses" + _OURS
 _MEMBRANE = "leaky membrane" + _OURS
+_LAMINA = "transient answers of the large monopolar cells: Laughlin 1981; Srinivasan, Laughlin & Dubs 1982" + _OURS
 _declares = functools.partial(declares, source="Fu, Hu & Yue, Table I")
 
 
@@ -237,6 +238,20 @@ class Parameters(ParameterSet):
             "time constant of the membrane", "ms", "[0, inf)", (0.0, 80.0), _MEMBRANE, mechanism="membrane"
         ),
     )
+    tau_lamina: Float[Array, ""] = eqx.field(
+        default=100.0,
+        converter=scalar,
+        metadata=declares(
+            "time constant with which the lamina returns to rest after a change of luminance",
+            "ms",
+            "(0, inf)",
+            (10.0, 500.0),
+            _LAMINA,
+            scale="log",
+            stage="pixels",
+            mechanism="lamina",
+        ),
+    )
 
 
 @checked
@@ -250,6 +265,7 @@ PRESETS: Mapping[str, Mapping[str, float]] = {
     "balanced": {"theta1": 1.0},
     "light_selective": {"theta1": 1.0, "theta2": 0.0},
 }
+"""The sets of `preset`, by what each has otherwise than Table I."""
 
 
 @checked

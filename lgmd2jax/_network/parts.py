@@ -4,6 +4,7 @@ import abc
 from typing import NamedTuple
 
 import equinox as eqx
+import jax
 from jaxtyping import Array, Float
 
 from lgmd2jax._network.maps import Bordered, inside
@@ -36,8 +37,9 @@ class Signals(NamedTuple):
 
 
 def signals_of(traces: Traces) -> Signals:
-    """Eqs 5 and 6: the flows of a frame."""
-    return Signals(inside(traces.on), inside(traces.off), lateral(traces.d_on), lateral(traces.d_off))
+    """Eqs 5 and 6: the flows of a frame. Of sensitivities too, of which some are None."""
+    flows, delayed = jax.tree.map(inside, (traces.on, traces.off)), jax.tree.map(lateral, (traces.d_on, traces.d_off))
+    return Signals(*flows, *delayed)
 
 
 class PixelParts(AbstractPixels):

@@ -5,7 +5,7 @@ import jax.numpy as jnp
 
 from lgmd2jax._network import medulla, retina
 from lgmd2jax._network.low_pass import LowPass, coefficient, low_pass
-from lgmd2jax._network.maps import Bordered, bordered, inside, pool
+from lgmd2jax._network.maps import Bordered, bordered, folded, inside, pool
 from lgmd2jax._network.parameters import Parameters
 from lgmd2jax._network.parts import PixelParts, Signals, Traces, signals_of
 from lgmd2jax._network.sensitivity import exact_sums
@@ -29,7 +29,7 @@ class Layers(eqx.Module):
     response.recorded                                           # S of every frame: (time, row, col)
     ```
 
-    - `p`: P, the change of luminance with its persistence (eq. 1).
+    - `p`: P, the change of luminance with its persistence (eq. 1) or with what the lamina keeps of it.
     - `on`, `off`: the two pathways (eqs 2, 3); `d_on`, `d_off`: the same, delayed (eq. 4).
     - `s_on`, `s_off`: the local sums of each pathway (eq. 7). `s`: S, both together (eq. 8).
     - `s_gated`: S', what passes T_s (eq. 9). `g`: its 3x3 mean (eq. 10).
@@ -63,6 +63,12 @@ class Pixels(PixelParts):
     n_p: int = eqx.field(static=True)
     low_pass: LowPass = eqx.field(static=True)
     codes_size: bool = eqx.field(static=True)
+    has_lamina: bool = eqx.field(static=True)
+
+    @property
+    def _kept(self) -> int:
+        """How many frames' P is remembered."""
+        return 1 if self.has_lamina else self.n_p
 
     def rest(self, frame: Map) -> PixelState:
         return PixelState(frame, self.traces_at_rest(frame))
@@ -70,7 +76,7 @@ class Pixels(PixelParts):
     def traces_at_rest(self, frame: Map) -> Traces:
         zero = jnp.zeros((frame.shape[0] + 2, frame.shape[1] + 2), frame.dtype)
         held = jnp.zeros_like(frame) if self.codes_size else None
-        return Traces(jnp.zeros((self.n_p, *zero.shape), zero.dtype), zero, zero, zero, zero, held)
+        return Traces(jnp.zeros((self._kept, *zero.shape), zero.dtype), zero, zero, zero, zero, held)
 
     def over(self, frames, interval: Interval, record: Record | None = None):
         if record is None:
@@ -101,18 +107,26 @@ class Pixels(PixelParts):
     def remember(self, traces: Traces, change: Bordered, interval: Scalar) -> tuple[Traces, Scalar, Bordered]:
         """Eqs 1-4, and F: eq. 13 or the share of the field that changed recently."""
         a = coefficient(self.parameters.tau1, interval, self.low_pass)
-        p = retina.photoreceptors(change, traces.p, self.parameters.u)
+        p = retina.photoreceptors(change, traces.p, *self._of_changes(interval))
         on, off = retina.half_wave(p)
         on = retina.residual(on, traces.on, self.parameters.sigma1)
         off = retina.residual(off, traces.off, self.parameters.sigma1)
         d_on = low_pass(traces.d_on, on, a)
         d_off = low_pass(traces.d_off, off, a)
-        history = jnp.concatenate([p[None], traces.p])[: self.n_p]
+        history = jnp.concatenate([p[None], traces.p])[: self._kept]
         if traces.held is None:
             return Traces(history, on, off, d_on, d_off), retina.mean_change(inside(p)), p
-        changed = self.thresholds.change(inside(d_on + d_off), a * self.parameters.T_p)
+        # What lasts for a frame alone reaches that share of its height when delayed; of a lamina P lasts longer.
+        height = self.parameters.T_p if self.has_lamina else a * self.parameters.T_p
+        changed = self.thresholds.change(inside(d_on + d_off), height)
         held = medulla.hold(traces.held, changed, self.parameters.tau_hold, interval)
         return Traces(history, on, off, d_on, d_off, held), pool(held, 1 / held.size), p
+
+    def _of_changes(self, interval: Scalar):
+        """What is left of each P before, and the share of a change that there is at its end."""
+        if self.has_lamina:
+            return retina.lamina(self.parameters.tau_lamina, interval)
+        return retina.persistence(self.parameters.u, self.n_p), 1.0
 
     def add_flows(self, signals: Signals) -> Map:
         """Eqs 7 and 8."""
@@ -121,4 +135,4 @@ class Pixels(PixelParts):
 
     def gate_and_pool(self, s: Map) -> Scalar:
         """Eqs 9 and 11."""
-        return pool(medulla.gate(s, self.parameters.T_s, self.thresholds))
+        return pool(folded(medulla.gate(s, self.parameters.T_s, self.thresholds)))

@@ -1,9 +1,10 @@
 """The retina: photoreceptors, and the split into ON and OFF (eqs 1-3). Pure functions of one frame."""
 
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from lgmd2jax._network.maps import pool
+from lgmd2jax._network.maps import folded, pool
 from lgmd2jax._types import Map, Scalar, is_concrete
 
 
@@ -22,13 +23,26 @@ def unstable_persistence(u: Float[Array, "*batch"], n_p: int) -> dict[str, Bool[
     return {f"{known}the persistence sums to 1 or more and is stable only below 1; raise u or lower n_p": total >= 1}
 
 
-def photoreceptors(change: Map, history: Float[Array, "n_p row col"], u: Float[Array, ""]) -> Map:
-    """Eq. 1: P(t) = L(t) - L(t-1) + sum_i a_i P(t-i), in grey levels.
+def lamina(tau: Float[Array, ""], interval: Scalar) -> tuple[Float[Array, " 1"], Scalar]:
+    """The a and g of P(t) = g (L(t) - L(t-1)) + a P(t-1), which solves dP/dt = dL/dt - P/tau.
 
-    **Arguments:** `change` is L(t) - L(t-1); `history` holds P(t-1) .. P(t-n_p).
+    a = exp(-ti/tau) and g = (1 - a) tau/ti are exact where luminance changes evenly between two frames, so that P is
+    the same at one moment however many frames came before it.
+
+    **Arguments:** `tau` and `interval` (ti) in ms.
     """
-    p = change
-    a = persistence(u, len(history))
+    frames = interval / tau
+    return jnp.exp(-frames)[None], -jnp.expm1(-frames) * (tau / interval)
+
+
+def photoreceptors(
+    change: Map, history: Float[Array, "kept row col"], a: Float[Array, " kept"], gain: float | Scalar = 1.0
+) -> Map:
+    """Eq. 1: P(t) = g (L(t) - L(t-1)) + sum_i a_i P(t-i), in grey levels; g is 1 without a lamina.
+
+    **Arguments:** `change` is L(t) - L(t-1); `history` holds P(t-1), P(t-2) ..
+    """
+    p = gain * change
     for i in range(len(history)):
         p = p + a[i] * history[i]
     return p
@@ -44,11 +58,18 @@ def residual(y: Map, previous: Map, sigma1: Float[Array, ""]) -> Map:
     return y + sigma1 * previous
 
 
+@jax.custom_jvp
 def magnitude(x: Float[Array, " *map"]) -> Float[Array, " *map"]:
     """abs(x) with slope 0 at 0. `jnp.abs` has slope 1 there, which makes every pixel at rest wrong."""
-    return jnp.maximum(x, 0) + jnp.maximum(-x, 0)
+    return jnp.abs(x)
+
+
+@magnitude.defjvp
+def _magnitude_jvp(primals, tangents):
+    (x,), (along,) = primals, tangents
+    return magnitude(x), jnp.sign(x) * along
 
 
 def mean_change(p: Map) -> Scalar:
     """Eq. 13: F, the mean of abs(P)."""
-    return pool(magnitude(p), 1 / p.size)
+    return pool(folded(magnitude(p)), 1 / p.size)

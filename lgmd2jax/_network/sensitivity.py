@@ -2,8 +2,8 @@
 
 What a pixel remembers depends on that pixel alone, and of every frame only two sums over the field are kept, MP and F.
 So a parameter needs one map of sensitivities for each array of the state that depends on it, carried along with the
-state: forward mode over time. MP is one number, so that its slopes in all signals of a frame come from one backward
-pass over that frame: reverse mode within a frame. A parameter without memory needs no map at all.
+state: forward mode over time. A parameter without memory needs no map at all. Within a frame it is forward mode up to
+S, whose derivative is multiplied by the slope of MP in S, one map for all parameters, and added up.
 
 Nothing here repeats an equation of the network. JAX differentiates the three parts of the stage (`parts`), and which
 part and which state depend on which parameter is read from the result: `equinox.filter_jvp` returns None for no change.
@@ -20,13 +20,12 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Real
 
-from lgmd2jax._network.maps import Bordered, inside, pool
-from lgmd2jax._network.medulla import lateral
+from lgmd2jax._network.maps import Bordered, pool
 from lgmd2jax._network.parameter_set import declared
 from lgmd2jax._network.parts import PixelParts, Traces, signals_of
 from lgmd2jax._network.stages import Interval, Sums
-from lgmd2jax._network.tiles import change, over_tiles
-from lgmd2jax._types import Map, Scalar
+from lgmd2jax._network.tiles import DERIVED, FORWARD, change, over_tiles
+from lgmd2jax._types import Scalar
 
 Rows = dict[str, Array | None]  # the derivative by each parameter, None for no influence
 
@@ -70,22 +69,19 @@ def _tiled(pixels: PixelParts, frames, interval, names: tuple[str, ...]) -> tupl
 
     MP is a sum over the field and F a mean.
     """
-    (mp, f), (mp_rows, f_rows) = over_tiles(functools.partial(_scan, pixels, frames, interval, names), frames)
+    of_tile = functools.partial(_scan, pixels, frames, interval, names)
+    (mp, f), (mp_rows, f_rows) = over_tiles(of_tile, frames, maps=DERIVED if names else FORWARD)
     mp, mp_rows = jax.tree.map(lambda of_tiles: of_tiles.sum(axis=0), (mp, mp_rows))
     f, f_rows = jax.tree.map(lambda of_tiles: of_tiles.mean(axis=0), (f, f_rows))
     return Sums(mp, f), (mp_rows, f_rows)
 
 
 class _Carry(NamedTuple):
-    """What goes from frame to frame: the traces, their sensitivities by parameter, and maps to write over.
-
-    `padded`: of slopes, which zeros surround.
-    """
+    """What goes from frame to frame: the traces, their sensitivities by parameter, and a map to write over."""
 
     traces: Traces
     sensitivities: dict[str, Traces]
     border: Bordered
-    padded: tuple[Map, ...]
 
 
 def _scan(pixels: PixelParts, frames, interval, names: tuple[str, ...], first, height: int):
@@ -103,37 +99,29 @@ def _scan(pixels: PixelParts, frames, interval, names: tuple[str, ...], first, h
         signals = signals_of(traces)
         if not names:
             mp = pixels.gate_and_pool(pixels.add_flows(signals))
-            return _Carry(traces, {}, border, ()), (Sums(mp, f), ({}, {}))
+            return _Carry(traces, {}, border), (Sums(mp, f), ({}, {}))
         of_advance = _linearised(advance, pixels, carry.traces)
-        s, to_signals = jax.vjp(pixels.add_flows, signals)
-        # Linearised once for all parameters: XLA would compute the slope of the gate anew for each.
-        mp, of_s = jax.linearize(pixels.gate_and_pool, s)
-        (slopes,) = to_signals(*jax.linear_transpose(of_s, s)(jnp.ones_like(mp)))
-        # The lateral spread is its own adjoint, so two spreads a frame serve the maps of all parameters.
-        padded = tuple(onto.at[2:-2, 2:-2].set(slope) for slope, onto in zip(slopes[2:], carry.padded, strict=True))
-        by_flows, by_delayed = slopes[:2], tuple(map(lateral, padded))
+        s = pixels.add_flows(signals)
+        mp, by_s = jax.value_and_grad(pixels.gate_and_pool)(s)
 
         def derivatives(name: str) -> tuple[Traces, Scalar | None, Scalar | None]:
             """Of the traces, MP and F."""
             unit = _unit(pixels, name)
             maps, df = of_advance(unit, carry.sensitivities[name])
-            _, ds = eqx.filter_jvp(lambda stage: stage.add_flows(signals), (pixels,), (unit,))
+            along = unit, signals_of(maps)  # linear in the traces, so that it is its own derivative
+            _, ds = eqx.filter_jvp(lambda stage, signals: stage.add_flows(signals), (pixels, signals), along)
             _, dmp = eqx.filter_jvp(lambda stage: stage.gate_and_pool(s), (pixels,), (unit,))
-            flows, delayed = jax.tree.map(inside, (maps.on, maps.off)), (maps.d_on, maps.d_off)
-            carried = _along(by_flows, flows), _along(by_delayed, delayed)
-            parts = dmp, None if ds is None else of_s(ds), *carried
-            return maps, _total(parts), df
+            return maps, _total((dmp, None if ds is None else pool(by_s * ds))), df
 
         every = {name: derivatives(name) for name in names}
         maps = {name: of_traces for name, (of_traces, _, _) in every.items()}
         mp_rows: Rows = {name: of_mp for name, (_, of_mp, _) in every.items()}
         f_rows: Rows = {name: of_f for name, (_, _, of_f) in every.items()}
-        return _Carry(traces, maps, border, padded), (Sums(mp, f), (mp_rows, f_rows))
+        return _Carry(traces, maps, border), (Sums(mp, f), (mp_rows, f_rows))
 
     rest = pixels.traces_at_rest(frames[0, :height].astype(interval.dtype))
     maps = {name: _maps_at_rest(pixels, name, rest, interval) for name in names}
-    start = _Carry(rest, maps, rest.on, (jnp.pad(rest.on, 1),) * 2 if names else ())
-    return jax.lax.scan(step, start, jnp.arange(len(frames)))[1]
+    return jax.lax.scan(step, _Carry(rest, maps, rest.on), jnp.arange(len(frames)))[1]
 
 
 def _linearised(function, *inputs):
@@ -170,12 +158,6 @@ def _maps_at_rest(pixels: PixelParts, name: str, rest: Traces, interval: Interva
         maps = jax.tree.map(lambda leaf: jnp.zeros(leaf.shape, leaf.dtype), reached)
         reached = eqx.filter_eval_shape(reach, maps)
     return maps
-
-
-def _along(slopes: Iterable[Map], maps: Iterable[Map | None]) -> Scalar | None:
-    """What MP changes by where the maps of its slopes are changed by others, of which some are None."""
-    products = _total(slope * map_ for slope, map_ in zip(slopes, maps, strict=True) if map_ is not None)
-    return None if products is None else pool(products)
 
 
 def _total(parts: Iterable[Array | None]) -> Array | None:

@@ -29,9 +29,13 @@ class Structure:
     def check(self, name: str, value) -> None:
         """Raise `ValueError` for a value that makes no sense."""
         if self.several:
-            known = isinstance(value, tuple) and all(each in self.choices for each in value)
-            if not known or len(set(value)) < len(value):
+            if not isinstance(value, tuple):
                 raise ValueError(f"{name} is {value!r}; give a tuple of {', '.join(map(repr, self.choices))}")
+            for each in value:
+                if each not in self.choices:
+                    raise ValueError(f"{name} has {each!r}; choose {nearest(each, self.choices)}")
+                if value.count(each) > 1:
+                    raise ValueError(f"{name} has {each!r} twice; name each once")
         elif self.least is None:
             if value not in self.choices:
                 raise ValueError(f"{name} is {value!r}; choose {nearest(value, self.choices)}")

@@ -15,30 +15,32 @@ from jaxtyping import Array, Int, Real
 from lgmd2jax._network.maps import Bordered, Row, bordered_onto
 from lgmd2jax._types import Map
 
-# Of one map of a tile. The gradient keeps some twenty maps, which then fit in a second-level cache of 2 MB.
-_BYTES = 2**16
+_BYTES = 2**19  # of the maps of a tile, which then fit in a second-level cache of 1 MB
+FORWARD, DERIVED = 8, 16  # maps that a response keeps at hand, and its derivative by some parameters
 _ROWS = 16  # of a tile of large frames, however wide; each tile computes two rows beside its own
 
 Frames = Real[Array, "time row col"]
 OfTile = TypeVar("OfTile")
 
 
-def over_tiles(of_tile: Callable[[int | Int[Array, ""], int], OfTile], frames: Frames) -> OfTile:
+def over_tiles(of_tile: Callable[[int | Int[Array, ""], int], OfTile], frames: Frames, maps: int = FORWARD) -> OfTile:
     """What `of_tile` returns of each tile, a first row and a number of rows, along a first axis.
 
     On an accelerator, and where the field is small, it is one tile.
+
+    **Arguments:** `maps`: how many maps `of_tile` has at hand in a frame.
     """
     rows, cols = frames.shape[1:]
     row_bytes = cols * jnp.promote_types(frames.dtype, jnp.float32).itemsize  # of a map; frames may be whole numbers
-    height = rows if jax.default_backend() != "cpu" else tile_height(rows, row_bytes)
+    height = rows if jax.default_backend() != "cpu" else tile_height(rows, row_bytes, maps)
     if height == rows:
         return jax.tree.map(lambda leaf: leaf[None], of_tile(0, rows))
     return jax.lax.map(lambda first: of_tile(first, height), jnp.arange(0, rows, height))
 
 
-def tile_height(rows: int, row_bytes: int) -> int:
+def tile_height(rows: int, row_bytes: int, maps: int = FORWARD) -> int:
     """How many rows a tile has: all tiles of a field have as many, and where that would be few it stays whole."""
-    most = max(_BYTES // row_bytes, _ROWS)
+    most = max(_BYTES // (maps * row_bytes), _ROWS)
     height = max(height for height in range(1, min(most, rows) + 1) if rows % height == 0)
     return height if 2 * height >= most else rows
 

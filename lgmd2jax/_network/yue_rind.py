@@ -182,7 +182,7 @@ class YueRindPixels(AbstractPixels):
 
     def step(self, state, frame, interval):
         v = self.parameters
-        p = retina.photoreceptors(frame - state.luminance, state.p[None], v.u)
+        p = retina.photoreceptors(frame - state.luminance, state.p[None], retina.persistence(v.u, 1))
         inhibition = medulla.lateral(bordered(state.p))
         s = p - v.W_I * inhibition
         c_e = medulla.g_layer(bordered(s))

@@ -12,6 +12,7 @@ import imageio.v3 as iio
 import numpy as np
 from jaxtyping import UInt8
 
+from lgmd2jax._files.written import note
 from lgmd2jax._video.writer import video_writer
 from lgmd2jax.stimuli import Stimulus
 
@@ -39,6 +40,7 @@ def clips_folder(path: Path) -> Iterator[Path]:
         if path.exists():
             os.replace(path, old)
         os.replace(temporary, path)
+        note(path)
     finally:
         for leftover in (temporary, old):
             shutil.rmtree(leftover, ignore_errors=True)

@@ -11,6 +11,8 @@ from lgmd2jax._pyav import pyav
 from lgmd2jax._video.grey import Picture
 
 _TICKS = 90_000  # a second
+_CODEC = "libx264"
+_CURE = "end its name in .mp4, .mkv or .mov"
 
 
 class VideoWriter:
@@ -26,7 +28,7 @@ class VideoWriter:
         picture = np.pad(picture, [(0, picture.shape[0] % 2), (0, picture.shape[1] % 2), (0, 0)], mode="edge")
         if self._stream is None:
             rate = Fraction(self._fps).limit_denominator(1001)
-            stream = self._container.add_stream("libx264", rate=rate, options={"crf": "20"})
+            stream = self._container.add_stream(_CODEC, rate=rate, options={"crf": "20"})
             stream.height, stream.width = picture.shape[:2]
             stream.pix_fmt = "yuv420p"
             stream.codec_context.time_base = Fraction(1, _TICKS)
@@ -51,8 +53,10 @@ def video_writer(path: str | os.PathLike, fps: float) -> Iterator[VideoWriter]:
     try:
         container = av.open(os.fspath(path), "w")
     except (ValueError, av.error.FFmpegError):
-        raise ValueError("cannot tell the format of the video; end its name in .mp4, .mkv or .mov") from None
+        raise ValueError(f"cannot tell the format of the video; {_CURE}") from None
     with container:
+        if _CODEC not in container.supported_codecs:
+            raise ValueError(f"no {container.format.name} file holds H.264; {_CURE}")
         writer = VideoWriter(av, container, fps)
         yield writer
         writer.close()

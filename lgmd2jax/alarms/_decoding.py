@@ -31,7 +31,7 @@ def decode(clip: Clip, path: Path, drop_duplicates: bool, options: tuple = ()) -
     recording = clip.record(drop_duplicates)
     try:
         kept.parent.mkdir(parents=True, exist_ok=True)
-        with replaced(kept) as temporary:
+        with replaced(kept, is_result=False) as temporary:
             np.savez(temporary, **dataclasses.asdict(recording))
     except (OSError, ValueError) as error:
         warn(f"{clip.name}: it is decoded again in every run, since the cache {kept.parent} cannot be written: {error}")

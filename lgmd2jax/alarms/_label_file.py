@@ -21,7 +21,9 @@ from lgmd2jax._schemas.check import check, check_kind
 from lgmd2jax._schemas.labels import LABELS
 from lgmd2jax._signals import stretches
 from lgmd2jax._video.clip import Clip, open_clip, window_of
+from lgmd2jax._video.field import field_remark
 from lgmd2jax._video.recording import Timeline
+from lgmd2jax._video.remarks import warn
 from lgmd2jax._words import is_refusal, within
 from lgmd2jax.alarms._clip import ClipLabels, LabelledClip, check_stretches, labels_of
 from lgmd2jax.alarms._decoding import decode
@@ -155,6 +157,8 @@ class LabelFile:
                 faults.append(str(fault))
         if faults:
             raise ValueError("; ".join(faults))
+        for remark, names in _by_remark(opened, self.eye).items():
+            warn(f"{', '.join(names)}: {remark}")
         return opened
 
 
@@ -302,6 +306,15 @@ class _Opened(NamedTuple):
             )
         first, last = (film.frame_at(contact_ms - lead) for lead in before)
         return first, last
+
+
+def _by_remark(clips: Sequence[_Opened], eye: Eye) -> dict[str, list[str]]:
+    """What is to be said of the fields of clips, with the names of those of which it is."""
+    names: dict[str, list[str]] = {}
+    for clip in clips:
+        if remark := field_remark(clip.clip, eye):
+            names.setdefault(remark, []).append(clip.name)
+    return names
 
 
 def _rest(

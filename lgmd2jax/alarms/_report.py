@@ -32,6 +32,17 @@ def headline(evaluation: Evaluation) -> str:
     return f"correct on {right} of {len(judged)} clips" + (f", with a margin of {margin:.3f}" if margin > 0 else "")
 
 
+def _windows(evaluation: Evaluation) -> str:
+    return f"{evaluation.windows} window{'' if evaluation.windows == 1 else 's'}"
+
+
+def _before_contact(milliseconds: Sequence[float]) -> str:
+    """The shortest and the longest time, and the median; a single time where they are alike."""
+    ordered = sorted(milliseconds)
+    first, median, last = (f"{ordered[place]:.0f}" for place in (0, len(ordered) // 2, -1))
+    return f"{first} ms before contact" if first == last else f"{first} to {last} ms before contact, median {median}"
+
+
 def clip_section(evaluation: Evaluation, left_out: Mapping[str, int]) -> Section:
     """A row for each clip. `left_out`: errors on a clip of the fit without its source, by the clip's name."""
     verdicts, score = evaluation.verdicts(), evaluation.score()
@@ -39,18 +50,14 @@ def clip_section(evaluation: Evaluation, left_out: Mapping[str, int]) -> Section
     rows = verdicts if len(verdicts) <= _MOST else worst_first[:_MOST]
     warnings = [verdict.warning_ms for verdict in verdicts if not math.isnan(verdict.warning_ms)]
     sentences = [
-        f"The model is {headline(evaluation)}. It hits {_percent(score.hits)} of {evaluation.windows} windows, with "
+        f"The model is {headline(evaluation)}. It hits {_percent(score.hits)} of {_windows(evaluation)}, with "
         f"{_rate(score.false_alarms)} false alarms a minute in {evaluation.silent_minutes:.2f} minutes of silence.",
         "Margin: how far T_sp may change before the verdict does, in units of U'; negative where the model is wrong.",
     ]
     if any(verdict.misses or verdict.raised for verdict in verdicts):
         sentences.append(_WHY)
     if warnings:
-        ordered = sorted(warnings)
-        sentences.append(
-            f"The first alarm in a window comes {ordered[0]:.0f} to {ordered[-1]:.0f} ms before contact, "
-            f"median {ordered[len(ordered) // 2]:.0f}."
-        )
+        sentences.append(f"The first alarm in a window comes {_before_contact(warnings)}.")
     if not any(clip.silent for clip in evaluation.clips):
         sentences.append(
             "No clip has a silence, in which false alarms are counted: a model that always fires is correct."

@@ -25,7 +25,8 @@ from lgmd2jax.arena._layout import (
     Layout,
 )
 
-EYE = Eye.preset("colias")  # 72 x 99 pixels, 70 degrees wide, 30 frames a second, as the paper's
+EYE = Eye.preset("colias")
+"""The robot's camera: 72 x 99 pixels, 70 degrees wide, 30 frames a second, as the paper's."""
 EYE_HEIGHT_CM = 4.0  # the camera stands above the robot's centre
 FLOOR, ABOVE = 190.0, 230.0  # grey levels of the floor, and of what is higher than the walls
 _STRIPS = 3  # of a column

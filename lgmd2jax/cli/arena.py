@@ -1,6 +1,7 @@
 """`lgmd2jax arena`: robots that drive by the alarms of models."""
 
 import argparse
+import math
 
 import jax
 from tqdm import tqdm
@@ -13,7 +14,7 @@ from lgmd2jax.cli.all_cores import use_all_cores
 _DRAWN = 4  # arenas of a figure, as in the paper
 _MOST = 10_000  # arenas, which are driven at once
 _LONGEST = 3600  # seconds of a trip
-_ROW = "{:12}{:>26}{:>26}{:>26}{:>24}"
+_COLUMNS = "detector", "collisions a metre", "by those of none", "coverage", "by that of none"
 
 
 def run(options: argparse.Namespace) -> None:
@@ -55,13 +56,17 @@ def _plain(outcome: Outcome) -> dict[str, dict[str, float]]:
 
 def _table(outcomes: dict[str, Outcome]) -> list[str]:
     none = outcomes["none"]
-    lines = [_ROW.format("detector", "collisions a metre", "of none's", "coverage", "of none's")]
+    rows: list[tuple[str, ...]] = [_COLUMNS]
     for name, outcome in outcomes.items():
-        columns = (
+        measures = (
             outcome.collisions_per_metre,
             outcome.collisions_by(none),
             outcome.coverage,
             outcome.coverage_by(none),
         )
-        lines.append(_ROW.format(name, *map(str, columns)))
-    return lines
+        rows.append((name, *("-" if math.isnan(measure.value) else str(measure) for measure in measures)))
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    aligned = [f"{row[0]:<{widths[0]}}" for row in rows]
+    for place, width in enumerate(widths[1:], start=1):
+        aligned = [f"{line}  {row[place]:>{width}}" for line, row in zip(aligned, rows, strict=True)]
+    return aligned

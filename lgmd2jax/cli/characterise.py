@@ -13,6 +13,7 @@ from lgmd2jax._handover.named import model_file, model_named
 from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._network.variants import at_frame_rate
 from lgmd2jax._results.fit_folder import MARKER, load_fit
+from lgmd2jax._words import Remark, warn
 from lgmd2jax.fitting import Fit
 
 _PRESET_FPS = 30.0  # the robot's camera, for which Table I is taken to hold
@@ -69,7 +70,13 @@ def _named(name: str, with_fit: bool) -> AbstractNetwork | Fit:
     if path is None:
         eye = Eye.preset("locust")
         model = dataclasses.replace(model_named(name), eye=dataclasses.replace(eye, fps=_PRESET_FPS))
-        return at_frame_rate(model, eye.fps)
+        return _without_intervals(name, at_frame_rate(model, eye.fps), with_fit)
     if with_fit and path.name == "model.json" and path.with_name(MARKER).is_file():
         return load_fit(path.parent)
-    return model_named(name)
+    return _without_intervals(name, model_named(name), with_fit)
+
+
+def _without_intervals(name: str, model: AbstractNetwork, wanted: bool) -> AbstractNetwork:
+    if wanted:
+        warn(f"{name} has no intervals: no fit to curves lies beside it, with a covariance to draw from", Remark)
+    return model

@@ -130,3 +130,5 @@ def _summary(source: str, tally: Tally, dropped: int) -> Iterator[str]:
     latencies = ", ".join(f"{name} {tally.latency(share):.1f}" for name, share in _SHARES.items())
     yield f"latency  {latencies} ms, from a frame's arrival to the answer"
     yield f"alarms   {tally.alarms}"
+    if dropped > tally.frames:
+        yield "note     frames came faster than they were answered; a file is for lgmd2jax respond, which drops none"

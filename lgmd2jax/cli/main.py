@@ -9,13 +9,15 @@ import os
 import sys
 import traceback
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from importlib.metadata import version
+from pathlib import Path
 from types import ModuleType
 
 from lgmd2jax._compute.kept_programs import keep_programs
 from lgmd2jax._compute.xla import set_flags
 from lgmd2jax._ctrl_c import STOPPED, ended_by_ctrl_c, interrupted_by_ctrl_c
+from lgmd2jax._files.written import noted
 from lgmd2jax._words import Remark, is_refusal
 from lgmd2jax.cli.options import (
     arena,
@@ -105,6 +107,7 @@ def main(arguments: list[str] | None = None) -> int:
     if whole and isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # names that the terminal cannot show, as standard error does
     options = argparse.Namespace(traceback=False, no_compilation_cache=False)
+    written = noted()
     try:
         _check_names(sys.argv[1:] if arguments is None else arguments)
         with _remarks_as_lines():
@@ -120,7 +123,7 @@ def main(arguments: list[str] | None = None) -> int:
             return 141
         if options.traceback:
             traceback.print_exception(error)
-        message, status = _explanation(error)
+        message, status = _explanation(error, written)
         print(f"lgmd2jax: {' '.join(message.split())}", file=sys.stderr)
         return status
     return 0
@@ -191,10 +194,10 @@ def _loaded(command: str, *, keep: bool) -> ModuleType:
     return importlib.import_module(f"lgmd2jax.cli.{_MODULES.get(command, command)}")
 
 
-def _explanation(error: BaseException) -> tuple[str, int]:
+def _explanation(error: BaseException, written: Sequence[Path]) -> tuple[str, int]:
     """What is said of an error, and the exit status."""
     if isinstance(error, KeyboardInterrupt):
-        return STOPPED, 130
+        return f"stopped; wrote {', '.join(map(str, written))}" if written else STOPPED, 130
     if isinstance(error, OSError) and error.strerror:
         return f"{error.filename}: {error.strerror}" if error.filename else error.strerror, 1
     if isinstance(error, OSError) or is_refusal(error):

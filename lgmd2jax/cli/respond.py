@@ -16,6 +16,7 @@ from lgmd2jax._files.atomic import all_replaced
 from lgmd2jax._handover.named import model_named, with_parameters
 from lgmd2jax._network.abstract import AbstractNetwork
 from lgmd2jax._video.clip import Clip, Frame, open_clip, window_of
+from lgmd2jax._video.field import field_remark
 from lgmd2jax._video.overlay import Overlay
 from lgmd2jax._video.repeats import RULE
 from lgmd2jax._video.snapshots import Snapshots
@@ -102,6 +103,8 @@ def _misfits(clip: Clip, model: AbstractNetwork) -> Iterator[str]:
         return
     if abs(clip.fps / model.eye.fps - 1) > 0.01:
         yield f"the model belongs to {model.eye.fps:g} fps, the clip has {clip.fps:g}"
+    if remark := field_remark(clip, model.eye):
+        yield remark
     if clip.shape[1] > 2 * model.eye.cols:
         yield (
             f"the model's eye has {model.eye.rows} x {model.eye.cols} pixels, and it sees {clip.shape[0]} x "

@@ -18,6 +18,7 @@ from lgmd2jax._files.catalogue import read_named, results_folder
 from lgmd2jax._protocol.condition import Protocol
 from lgmd2jax._protocol.protocol import protocol_of
 from lgmd2jax._video.clip_files import clips_folder, write_clip
+from lgmd2jax._words import within
 from lgmd2jax.alarms import LabelFile, LabelledClip
 from lgmd2jax.alarms._label_file import label_file
 from lgmd2jax.stimuli import Stimulus
@@ -39,7 +40,8 @@ def run(options: argparse.Namespace) -> None:
         files = [stack.enter_context(replaced(sheet)) for sheet in sheets]
         place = stack.enter_context(clips_folder(clips)) if options.clips else None
         for number, render in enumerate(tqdm(renderers, "stimuli", leave=False, disable=None), start=1):
-            stimulus = render()
+            with within(options.protocol):
+                stimulus = render()
             cards.append(Card.of(stimulus))
             if place is not None:
                 write_clip(stimulus, options.clips, place, number)

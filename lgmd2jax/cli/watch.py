@@ -8,6 +8,7 @@ from lgmd2jax._handover.named import model_named, with_parameters
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._reports.section import as_text
 from lgmd2jax._results.fit_json import plain
+from lgmd2jax._video.field import other_field
 from lgmd2jax.alarms import Comparison, Detector, detectors, evaluate, load_labels
 from lgmd2jax.alarms._baselines import check_packages
 from lgmd2jax.alarms._detectors import MODEL
@@ -31,6 +32,12 @@ def run(options: argparse.Namespace) -> None:
         print(
             f"lgmd2jax: warning: the model has degrees_per_pixel = {model.eye.degrees_per_pixel}, but {options.labels} "
             f"has {file.eye.degrees_per_pixel}; parameters belong to one scale",
+            file=sys.stderr,
+        )
+    if model.eye is not None and other_field((file.eye.rows, file.eye.cols), model.eye):
+        print(
+            f"lgmd2jax: warning: the model's eye has {model.eye.rows} x {model.eye.cols} pixels, but that of "
+            f"{options.labels} has {file.eye.rows} x {file.eye.cols}; an object fills another share of such a field",
             file=sys.stderr,
         )
     outputs = [path for path in (options.csv, options.figure, options.json) if path]

@@ -82,6 +82,7 @@ class Comparison:
 
     @property
     def chi2_in_all(self) -> Float[np.ndarray, " fit"]:
+        """Chi2 of each fit, all curves together."""
         return self.chi2.sum(axis=1)
 
     @property
@@ -191,7 +192,7 @@ def compared(fits: Mapping[str, Fit], left_out: Mapping[str, Mapping[str, float]
     **Raises:** `ValueError` for fewer than two fits, and for fits to different data.
     """
     if len(fits) < 2:
-        raise ValueError("fits holds fewer than two; give two or more")
+        raise ValueError(f"fits holds {len(fits)}; give two or more to compare")
     (first_name, first), *others = fits.items()
     for name, fit in others:
         if difference := difference_of_data(first_name, first, name, fit):

@@ -70,18 +70,22 @@ class Simulator(eqx.Module):
 
     @property
     def names(self) -> tuple[str, ...]:
+        """The parameters, in their order along the last axis of `theta`."""
         return self.problem.free.names
 
     @property
     def units(self) -> tuple[str, ...]:
+        """The unit of each parameter, "1" for a plain number."""
         return tuple(parameter.symbol.unit for parameter in self.problem.free.parameters)
 
     @property
     def low(self) -> Float[np.ndarray, " parameter"]:
+        """The lower bound of each parameter."""
         return np.array([parameter.low for parameter in self.problem.free.parameters])
 
     @property
     def high(self) -> Float[np.ndarray, " parameter"]:
+        """The upper bound of each parameter."""
         return np.array([parameter.high for parameter in self.problem.free.parameters])
 
     @checked

@@ -26,7 +26,7 @@ class Background(eqx.Module):
 
     @abc.abstractmethod
     def painter(self, eye: Eye) -> Callable[[Float[Array, ""]], Map]:
-        """What gives the frame at a time in ms."""
+        """A function that gives the frame at a time in ms."""
 
 
 @checked
@@ -161,3 +161,4 @@ class Panorama(Background):
 
 
 BACKGROUNDS: dict[str, type[Background]] = {"uniform": Uniform, "photograph": Photograph, "panorama": Panorama}
+"""The backgrounds by the `kind` that a protocol gives."""

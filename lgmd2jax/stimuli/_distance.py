@@ -136,3 +136,4 @@ class Tabulated(Distance):
 
 
 DISTANCES: dict[str, type[Distance]] = {"rolling": Rolling, "tabulated": Tabulated}
+"""The laws of approach by the `kind` that a protocol gives its `distance`."""

@@ -21,6 +21,7 @@ from lgmd2jax.stimuli._stimulus import Stimulus
 from lgmd2jax.stimuli._units import Milliseconds
 
 ENCOUNTERS = tuple(KINDS)
+"""The kinds of `random_encounter`, of which the first is a collision."""
 _SILENT = tuple(kind for kind in ENCOUNTERS if kind != "collision")
 _CONVERTED = 0.5  # of the clips
 

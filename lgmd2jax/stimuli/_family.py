@@ -21,6 +21,7 @@ from lgmd2jax.stimuli._units import units_of
 P = ParamSpec("P")
 
 FAMILIES: dict[str, Callable[..., Stimulus]] = {}
+"""The families of stimuli by the names that protocols, sweeps and `strongest_stimulus` give."""
 _SKETCHES: dict[Callable[..., Stimulus], Callable[..., Sketch]] = {}
 
 # Arguments that say the same in other units. The first has the default, which the others replace.

@@ -22,6 +22,7 @@ from lgmd2jax.stimuli._stimulus import Stimulus
 from lgmd2jax.stimuli._units import Hertz, Milliseconds
 
 FILMS = (*COLLISIONS, *OTHERS)
+"""The kinds of `random_film`, collisions first."""
 FILM_MS = 5600.0  # the median of real clips
 # Frames per second, and how often: those of real films once repeated frames are dropped, and of robots.
 _RATES = {8: 0.02, 10: 0.04, 12: 0.04, 15: 0.06, 20: 0.08, 24: 0.2, 25: 0.22, 30: 0.27, 50: 0.04, 60: 0.03}

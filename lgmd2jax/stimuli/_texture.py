@@ -13,7 +13,6 @@ from jaxtyping import Array, Float
 from lgmd2jax._types import Map, is_concrete
 from lgmd2jax._words import nearest, warn
 
-# What scikit-image's wheel carries; the rest of its gallery would be downloaded.
 PHOTOGRAPHS = {
     "astronaut": "astronaut.png",
     "brick": "brick.png",
@@ -26,6 +25,7 @@ PHOTOGRAPHS = {
     "motorcycle": "motorcycle_left.png",
     "rocket": "rocket.jpg",
 }
+"""The pictures that scikit-image's wheel carries, by the names that a background takes; nothing is downloaded."""
 _TEXELS = 2  # for each pixel of the eye, so that interpolation between them hardly blurs
 
 

@@ -8,6 +8,7 @@ import pytest
 
 import lgmd2jax as lgmd
 from lgmd2jax.alarms import Evaluation, LabelledClip, Rendering, evaluate
+from lgmd2jax.alarms._report import clip_section
 
 EYE = lgmd.Eye.from_field_of_view(24, 32, 70.0, 30.0, "pinhole")
 MODEL = lgmd.LGMD2(lgmd.preset("lgmd2", T_sp=0.65, k=0.5), eye=EYE)
@@ -54,6 +55,23 @@ def test_the_numbers_of_a_clip():
     (quiet,) = Evaluation((clip,), (trace,), 0.8).verdicts()
     assert quiet.right
     assert quiet.margin == pytest.approx(min(0.9 - 0.8, 0.8 - 0.72))
+
+
+@pytest.mark.parametrize(
+    ("contacts", "sentence"),
+    [
+        ([7], "The first alarm in a window comes 300 ms before contact."),
+        ([7, 7], "The first alarm in a window comes 300 ms before contact."),
+        ([7, 9, 8], "The first alarm in a window comes 300 to 500 ms before contact, median 400."),
+    ],
+)
+def test_the_time_before_contact_is_a_span_where_windows_differ(contacts, sentence):
+    trace = np.where(np.arange(10) == 4, 0.9, 0.5)
+    clips = tuple(LabelledClip.of("c", np.zeros((10, 3, 3)), 10, windows=[(3, 5)], contact=at) for at in contacts)
+    section = clip_section(Evaluation(clips, (trace,) * len(clips), 0.65), {})
+    assert sentence in section.sentences
+    windows = "1 window" if len(clips) == 1 else f"{len(clips)} windows"
+    assert f" of {windows}, with " in section.sentences[0]
 
 
 def test_hits_and_false_alarms_over_all_thresholds():

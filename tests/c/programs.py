@@ -36,6 +36,9 @@ MODELS = {
     "shunt and lag, no window": lgmd.LGMD2(
         lgmd.Parameters(**_CELL | {"N_sp": 1}, k=2.0, T_ffi=30.0), N_ts=0, eye=EYE, mechanisms=("shunt", "lag", "rate")
     ),
+    "size behind a lamina": lgmd.LGMD2(
+        lgmd.Parameters(**_CELL, theta1=0.1, k=4.0, A_ffi=0.5), eye=EYE, mechanisms=("size", "lamina")
+    ),
 }
 
 

@@ -38,7 +38,8 @@ def random_films():
 def hard_responses(model, films):
     """The responses, and in which frames no threshold lies within rounding of single precision."""
     v, size = model.parameters, "size" in model.mechanisms
-    step = coefficient(v.tau1, jnp.asarray(1000 / EYE.fps), model.low_pass) * v.T_p
+    lasts = 1.0 if "lamina" in model.mechanisms else coefficient(v.tau1, jnp.asarray(1000 / EYE.fps), model.low_pass)
+    step = lasts * v.T_p
 
     def margin(layers):
         of_size = jnp.abs(layers.d_on + layers.d_off - step).min() if size else jnp.inf
@@ -59,6 +60,7 @@ def hard_responses(model, films):
         pytest.param("the paper's circuit", marks=pytest.mark.slow),
         pytest.param("persistence, exact low-pass", marks=pytest.mark.slow),
         "all mechanisms",
+        pytest.param("size behind a lamina", marks=pytest.mark.slow),
     ],
 )
 def test_a_hundred_thousand_random_frames(name, record_property, untyped):

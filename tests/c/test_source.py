@@ -34,7 +34,8 @@ TRACES = {
     "membrane": ("excitation +=", "tau_cell"),
     "rate": ("REFERENCE_MS / interval_ms",),
     "persistence": ("LGMD2_N_P", "state->oldest"),
-    "exact": ("expm1f",),
+    "lamina": ("gone", "v.tau_lamina"),
+    "exact": ("return -expm1f",),
     "backward_euler": ("(interval + tau)",),
     "gate": ("<= v.T_ffi ?", "<= v.A_ffi ?"),
 }

@@ -1,6 +1,7 @@
 """`lgmd2jax arena`: its table, its JSON and its figure, and what it refuses."""
 
 import json
+import re
 
 import jax.numpy as jnp
 import pytest
@@ -29,7 +30,10 @@ def test_numbers_and_figure(tmp_path, capsys, monkeypatch):
         for estimate in measures.values():
             assert set(estimate) == {"value", "low", "high"}
             assert estimate["low"] <= estimate["value"] <= estimate["high"]
-    assert [line.split()[0] for line in capsys.readouterr().out.splitlines()[1:6]] == NAMES
+    lines = capsys.readouterr().out.splitlines()[:6]
+    assert [line.split()[0] for line in lines[1:]] == NAMES
+    assert len(set(map(len, lines))) == 1
+    assert all(len(re.split(r" {2,}", line)) == 5 for line in lines)  # no two columns run together
     with Image.open(tmp_path / "a.png") as picture:
         assert picture.width > picture.height
 

@@ -120,7 +120,7 @@ def test_a_model_without_an_eye_leaves_no_file(mine, tmp_path, capsys):
     assert [it.name for it in tmp_path.iterdir()] == ["mine.json"]
 
 
-def test_intervals_are_asked_of_the_fit_beside_the_model(shown, mine, tmp_path, monkeypatch):
+def test_intervals_are_asked_of_the_fit_beside_the_model(shown, mine, tmp_path, monkeypatch, capsys):
     asked = []
     monkeypatch.setattr(
         command, "load_fit", lambda folder: asked.append(folder) or fit_with(lgmd.Free(tau2=(20, 300)), [])
@@ -128,7 +128,12 @@ def test_intervals_are_asked_of_the_fit_beside_the_model(shown, mine, tmp_path, 
     (tmp_path / "model.json").write_bytes(mine.read_bytes())
     assert main(["characterise", str(tmp_path / "model.json"), "--intervals"]) == 0
     assert asked == []
+    assert (
+        f"warning: {tmp_path / 'model.json'} has no intervals: no fit to curves lies beside it"
+        in capsys.readouterr().err
+    )
     (tmp_path / "fit.json").write_text("{}")
     assert main(["characterise", str(tmp_path / "model.json"), "--intervals"]) == 0
     assert asked == [tmp_path]
+    assert capsys.readouterr().err == ""
     assert isinstance(shown[1], lgmd.Fit)

@@ -104,7 +104,10 @@ def test_a_pipe_gives_the_numbers_of_the_robots_program(place, capsys, monkeypat
         assert main(["live", "-", "--resize", "48", "--csv", "a.csv"]) == 0
     rows, pictures = table("a.csv"), looms(60)[..., 0]
     index = np.array([int(row["frame"]) for row in rows])
-    assert sum(counted(capsys.readouterr().out)) == 60
+    said = capsys.readouterr().out
+    seen, dropped = counted(said)
+    assert seen + dropped == 60
+    assert ("a file is for lgmd2jax respond" in said) == (dropped > seen)
     assert index[-1] == 59  # the newest is never dropped
     # Matroska rounds its time stamps to a millisecond.
     np.testing.assert_allclose([float(row["time_ms"]) for row in rows], (index - index[0]) * 1000 / 30, atol=1)

@@ -268,6 +268,31 @@ def test_ctrl_c_in_a_command_is_one_line_and_leaves_the_handler(monkeypatch, cap
     assert signal.getsignal(signal.SIGINT) is before
 
 
+def test_ctrl_c_after_files_are_written_names_them(monkeypatch, tmp_path, capsys):
+    """Amid the last lines, when all that was asked for is there."""
+
+    def press(*_):
+        raise KeyboardInterrupt
+
+    folder = tmp_path / "robot"
+    with monkeypatch.context() as patched:
+        patched.setattr(command, "print", press, raising=False)
+        assert main(["export", "preset:lgmd2", "--python", str(folder)]) == 130
+    said = f"lgmd2jax: stopped; wrote {folder / 'hard.py'}, {folder / 'model.json'}\n"
+    assert capsys.readouterr().err == said
+    runs(monkeypatch, "raise KeyboardInterrupt")
+    assert main(EXPORT) == 130
+    assert capsys.readouterr().err == "lgmd2jax: stopped; nothing was written\n"
+
+
+@pytest.mark.parametrize("line", ["respond a.mp4 --csv out.csv/", "predict dcmd dcmd -o out/", "arena --figure a.png/"])
+def test_a_file_to_write_has_no_name_of_a_folder(line, capsys):
+    with pytest.raises(SystemExit, match="2"):
+        main(line.split())
+    name = line.split()[-1]
+    assert f": {name} is the name of a folder; give that of a file; see lgmd2jax" in capsys.readouterr().err
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="signals are for POSIX systems")
 @pytest.mark.parametrize(
     "where",

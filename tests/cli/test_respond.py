@@ -342,6 +342,7 @@ def refused(arguments, capsys):
         (["{folder}", "--fps", "30", "--overlay", "nowhere/a.mp4"], "the folder nowhere does not exist"),
         (["{folder}", "--fps", "30", "--figure", "a.xyz"], "end its name in .png"),
         (["{folder}", "--fps", "30", "--overlay", "a.xyz"], "end its name in .mp4"),
+        (["{folder}", "--fps", "30", "--overlay", "a.gif"], "no gif file holds H.264; end its name in .mp4"),
         (["{folder}", "--fps", "30", "--csv", "same.png", "--figure", "same.png"], "same.png is named twice"),
         ([], "the following arguments are required: CLIP"),
     ],

@@ -143,6 +143,7 @@ def test_a_mistake_is_one_line_and_leaves_nothing(protocol, tmp_path, untyped, c
     assert main(["stimuli", str(protocol), "--clips", "npz", "-o", str(tmp_path / "new")]) == 1
     captured = capsys.readouterr()
     assert message in captured.err
+    assert captured.err.startswith(f"lgmd2jax: {protocol}")
     assert captured.err.count("\n") == 1
     assert captured.out == ""
     assert names(tmp_path / "new") == []

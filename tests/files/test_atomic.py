@@ -6,7 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from lgmd2jax._files.atomic import all_replaced, replaced
+from lgmd2jax._files.atomic import all_replaced, read_json, read_toml, replaced
+from lgmd2jax._files.folder import replaced_folder
+from lgmd2jax._files.written import noted
 
 
 def test_the_file_appears_when_the_block_ends(tmp_path):
@@ -71,3 +73,28 @@ def test_no_file_is_written_twice_or_over_what_is_read(tmp_path, monkeypatch, pa
         pytest.fail("not refused")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.csv", "x"]
     assert (tmp_path / "a.csv").read_text() == "recorded"
+
+
+def test_what_has_appeared_is_noted(tmp_path):
+    """A file of a folder that is still to appear is none, nor is one of a cache, nor what failed."""
+    written = noted()
+    with replaced(tmp_path / "a.csv") as file, replaced(tmp_path / "cache", is_result=False) as kept:
+        file.touch()
+        kept.touch()
+        assert written == []
+    with replaced_folder(tmp_path / "fit", "model.json", {"model.json"}) as folder:
+        with replaced(folder / "model.json") as file:
+            file.touch()
+        assert written == [tmp_path / "a.csv"]
+    with pytest.raises(KeyboardInterrupt), replaced(tmp_path / "b.csv"):
+        raise KeyboardInterrupt
+    assert written == [tmp_path / "a.csv", tmp_path / "fit"]
+    noted()
+    assert written == [tmp_path / "a.csv", tmp_path / "fit"]
+
+
+@pytest.mark.parametrize(("read", "kind"), [(read_toml, "TOML"), (read_json, "JSON")])
+def test_a_picture_is_no_text(tmp_path, read, kind):
+    (tmp_path / "a.png").write_bytes(b"\x89PNG")
+    with pytest.raises(ValueError, match=rf"a\.png is not a {kind} file: it holds no text in UTF-8"):
+        read(tmp_path / "a.png")

@@ -7,7 +7,7 @@ import hypothesis.strategies as st
 import pytest
 
 import lgmd2jax as lgmd
-from benchmarks.fuzz import mutated
+from benchmarks._fuzz_mutants import mutated
 from lgmd2jax import hard
 
 

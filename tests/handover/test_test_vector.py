@@ -36,10 +36,12 @@ EVERY = lgmd.LGMD2(
     eye=lgmd.Eye(40, 56, 2.0, 40.0),
 )
 SIZE = lgmd.LGMD2(lgmd.Parameters(**CODED), low_pass="exact", mechanisms=("size",))
+LAMINA = lgmd.LGMD2(lgmd.Parameters(**CODED, tau_lamina=70.0), mechanisms=("size", "shunt", "lamina"))
 MODELS = {
     "rich": RICH,
     "every mechanism": EVERY,
     "size": SIZE,
+    "lamina": LAMINA,
     "dcmd": DCMD,
     **{name: lgmd.LGMD2(lgmd.preset(name)) for name in lgmd.PRESETS},
     **{name: lgmd.ablate(lgmd.LGMD2(), name) for name in ("ffi", "sfa")},
@@ -50,7 +52,7 @@ MODELS = {
     "two spikes at the ceiling": lgmd.LGMD2(lgmd.Parameters(T_sp=0.9, sigma_sp=0.1, k=1e-3, tau3=1e9)),
     "overflow": lgmd.LGMD2(lgmd.Parameters(theta2=1e306)),
 }
-ALL_BRANCHES = ("rich", "size", "dcmd", *lgmd.PRESETS)
+ALL_BRANCHES = ("rich", "size", "lamina", "dcmd", *lgmd.PRESETS)
 
 
 @pytest.fixture(scope="session")
@@ -163,7 +165,7 @@ WRONG_EQUATIONS = [
 
 WRONG_MECHANISMS = [
     ("self._d_on + self._d_off >", "self._d_on >"),
-    ('> a * v["T_p"]', '> v["T_p"]'),
+    ('else a * v["T_p"]', 'else v["T_p"]'),
     ('math.exp(-interval / v["tau_hold"]) * self._held', '(1 - interval / v["tau_hold"]) * self._held'),
     ("np.where(changed, 1.0, ", "np.where(changed, 1.0 + self._held, "),
     ("_thirds(self._held)", "_thirds(changed)"),
@@ -183,9 +185,18 @@ WRONG_MECHANISMS = [
 ]
 
 
+WRONG_LAMINA = [
+    ("-math.expm1(-frames) / frames * p", "p"),
+    ("shares = [math.exp(-frames)]", "shares = [1 - frames]"),
+    ('v["T_p"] if "lamina" in self.mechanisms else', ""),
+]
+
+
 @pytest.mark.parametrize(
     ("path", "right", "wrong"),
-    [("rich", *each) for each in WRONG_EQUATIONS] + [("every mechanism", *each) for each in WRONG_MECHANISMS],
+    [("rich", *each) for each in WRONG_EQUATIONS]
+    + [("every mechanism", *each) for each in WRONG_MECHANISMS]
+    + [("lamina", *each) for each in WRONG_LAMINA],
     indirect=["path"],
 )
 def test_a_program_with_a_wrong_equation_refuses_the_file(path, right, wrong):
@@ -198,7 +209,7 @@ def test_a_program_with_a_wrong_equation_refuses_the_file(path, right, wrong):
 
 
 @pytest.mark.parametrize("load", [hard.load, lgmd.load])
-@pytest.mark.parametrize("path", ["rich", "every mechanism"], indirect=True)
+@pytest.mark.parametrize("path", ["rich", "every mechanism", "lamina"], indirect=True)
 def test_a_wrong_parameter_is_refused(path, load):
     """Where it is off by 1 %, a threshold by a quarter; T_sfa, to which few frames come close, where it is tenfold."""
     content, unused = json.loads(path.read_text()), MODELS[path.stem].unused

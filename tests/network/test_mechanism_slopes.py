@@ -9,7 +9,7 @@ import pytest
 
 import lgmd2jax as lgmd
 from tests import oracle
-from tests.network.test_mechanisms import EVERY, FRAMES, PARAMETERS, values
+from tests.network.test_mechanisms import EVERY, FRAMES, PARAMETERS, WITH_LAMINA, values
 from tests.network.test_sensitivity import assert_close, maps_carried, plain
 
 NAMES = list(lgmd.symbols())
@@ -31,6 +31,8 @@ def in_factors(factors, model):
     ("mode", "structure", "mechanisms"),
     [
         (jax.jacfwd, {"n_p": 1, "low_pass": "exact"}, EVERY),
+        (jax.jacfwd, {}, WITH_LAMINA),
+        pytest.param(jax.jacrev, {}, WITH_LAMINA, marks=pytest.mark.slow),
         pytest.param(jax.jacrev, {"n_p": 1, "low_pass": "exact"}, EVERY, marks=pytest.mark.slow),
         pytest.param(jax.jacfwd, {}, ("size", "lag"), marks=pytest.mark.slow),
         pytest.param(jax.jacrev, {}, EVERY, marks=pytest.mark.slow),
@@ -51,7 +53,7 @@ def test_equals_central_differences(mode, structure, mechanisms):
 
 def sums_by_parameters(rule, thresholds, **structure):
     def run(parameters):
-        model = lgmd.LGMD2(parameters, thresholds, mechanisms=("size",), **structure)
+        model = lgmd.LGMD2(parameters, thresholds, **{"mechanisms": ("size",), **structure})
         return rule(model, CLIP, jnp.asarray(1000 / 30))
 
     return jax.jit(jax.jacfwd(run))(PARAMETERS)
@@ -61,6 +63,8 @@ def sums_by_parameters(rule, thresholds, **structure):
     ("thresholds", "structure"),
     [
         (lgmd.Soft(0.5), {"n_p": 2, "low_pass": "exact"}),
+        (lgmd.Soft(0.5), {"mechanisms": ("size", "lamina")}),
+        pytest.param(lgmd.StraightThrough(0.5), {"mechanisms": ("size", "lamina")}, marks=pytest.mark.slow),
         pytest.param(lgmd.StraightThrough(0.5), {}, marks=pytest.mark.slow),
         pytest.param(lgmd.Soft(0.5), {}, marks=pytest.mark.slow),
         pytest.param(lgmd.StraightThrough(0.5), {"n_p": 2, "low_pass": "exact"}, marks=pytest.mark.slow),
@@ -73,7 +77,8 @@ def test_the_exact_sensitivities_are_the_plain_ones(thresholds, structure):
     assert_close(found, sums_by_parameters(plain, thresholds, **structure))
     if not isinstance(thresholds, lgmd.Hard):
         of_f = {name for name in NAMES if np.any(getattr(found.f, name))}
-        assert of_f == {"tau1", "sigma1", "T_p", "tau_hold"} | ({"u"} if structure.get("n_p") else set())
+        of_p = {"u"} if structure.get("n_p") else {"tau_lamina"} if "mechanisms" in structure else set()
+        assert of_f == {"tau1", "sigma1", "T_p", "tau_hold"} | of_p
 
 
 def test_the_fast_scan_is_the_plain_one():
@@ -83,18 +88,21 @@ def test_the_fast_scan_is_the_plain_one():
         assert_close(model.sums(CLIP, interval)[0], plain(model, CLIP, interval), 1e-12)
 
 
-def test_only_what_is_perturbed_and_remembers_carries_maps():
+@pytest.mark.parametrize(
+    ("mechanisms", "n_p", "of_p", "kept"), [(EVERY, 2, "u", 2), (WITH_LAMINA, 0, "tau_lamina", 1)], ids=["u", "lamina"]
+)
+def test_only_what_is_perturbed_and_remembers_carries_maps(mechanisms, n_p, of_p, kept):
     """M is held without a border, so the clip is so large here that a map of either kind counts as one."""
-    frames, n_p, own = jnp.zeros((3, 70, 80)), 2, 10  # ON, OFF, D_on, D_off, M, two of P, three to lay borders onto
-    more = {"tau1": 3, "sigma1": 5, "u": 5 + n_p, "T_p": 1, "tau_hold": 1}
-    for name in ("tau1", "u", "T_p", "tau_hold", "A_ffi", "lag"):
+    frames, own = jnp.zeros((3, 50, 60)), 6 + kept  # ON, OFF, D_on, D_off, M, those of P, one to lay a border onto
+    more = {"tau1": 3, "sigma1": 5, of_p: 5 + kept, "T_p": 1, "tau_hold": 1}
+    for name in ("tau1", of_p, "T_p", "tau_hold", "A_ffi", "lag"):
 
         def response(value, name=name):
             parameters = dataclasses.replace(PARAMETERS, **{name: value})
-            model = lgmd.LGMD2(parameters, lgmd.Soft(0.5), n_p=n_p, mechanisms=EVERY)
+            model = lgmd.LGMD2(parameters, lgmd.Soft(0.5), n_p=n_p, mechanisms=mechanisms)
             return model(frames, 30.0).smp_adapted
 
-        carried = maps_carried(jax.jacfwd(response), getattr(PARAMETERS, name), size=70 * 80)
+        carried = maps_carried(jax.jacfwd(response), getattr(PARAMETERS, name), size=50 * 60)
         assert carried == own + more.get(name, 0), name
 
 

@@ -19,7 +19,7 @@ from tests import clips, oracle
 VALUES: dict[str, Any] = {
     "theta1": 0.4, "theta2": 1.3, "theta3": 0.002, "tau1": 20.0, "tau3": 300.0, "T_s": 12.0, "T_ffi": 17.0,
     "T_sfa": 0.01, "T_sp": 0.6, "sigma_sp": 0.08, "k": 3.0, "u": 0.7, "N_sp": 2.0, "T_p": 50.0, "tau_hold": 60.0,
-    "A_ffi": 0.2, "m": 3.0, "gamma": 0.7, "lag": 37.0, "tau_cell": 15.0,
+    "A_ffi": 0.2, "m": 3.0, "gamma": 0.7, "lag": 37.0, "tau_cell": 15.0, "tau_lamina": 60.0,
 }  # fmt: skip
 PARAMETERS = lgmd.Parameters(**VALUES)
 FRAMES = clips.patchy(33, (14, 5, 7))
@@ -29,15 +29,22 @@ COMBINATIONS = [
     (*size, *shunt, *lag)
     for size, shunt, lag in product(((), ("size",)), ((), ("shunt",), ("shunt", "membrane")), ((), ("lag",)))
 ]
-COMBINATIONS += [("rate",), ("size", "rate"), EVERY]
-STRUCTURES = [{"n_p": n_p, "low_pass": form} for n_p in (0, 1) for form in ("backward_euler", "exact")]
+WITH_LAMINA = ("size", "shunt", "lag", "membrane", "lamina")
+COMBINATIONS += [("rate",), ("size", "rate"), EVERY, ("lamina",), ("size", "lamina"), WITH_LAMINA]
+
+
+def structures(mechanisms) -> list[dict[str, Any]]:
+    """Those that go with the mechanisms."""
+    frames = (0,) if "lamina" in mechanisms else (0, 1)
+    return [{"n_p": n_p, "low_pass": form} for n_p in frames for form in ("backward_euler", "exact")]
 
 
 # Each combination once hard and once soft, with every structure among them; with the others where time is no matter.
 CASES = [
-    pytest.param(mechanisms, structure, temperature, marks=() if j == (i + 3 * soft) % 4 else pytest.mark.slow)
+    pytest.param(mechanisms, structure, temperature, marks=() if j == (i + 3 * soft) % len(own) else pytest.mark.slow)
     for i, mechanisms in enumerate(COMBINATIONS)
-    for j, structure in enumerate(STRUCTURES)
+    for own in (structures(mechanisms),)
+    for j, structure in enumerate(own)
     for soft, temperature in enumerate((None, 0.3))
 ]
 
@@ -77,8 +84,9 @@ def test_agrees_with_loops_over_pixels(mechanisms, structure, temperature):
     assert_equal(streamed(model), expected)
 
 
-@pytest.mark.parametrize("structure", STRUCTURES, ids=str)
-@pytest.mark.parametrize("mechanisms", COMBINATIONS, ids=str)
+@pytest.mark.parametrize(
+    ("mechanisms", "structure"), [(each, structure) for each in COMBINATIONS for structure in structures(each)], ids=str
+)
 def test_numpy_model_agrees_with_loops_over_pixels(mechanisms, structure):
     model = as_hard(values(), mechanisms, **structure)
     response = hard.Response.over_time(
@@ -121,19 +129,21 @@ def test_a_lag_does_not_drift_in_a_long_clip():
     np.testing.assert_allclose(late[-100:], again[-100:], rtol=1e-5)
 
 
+@pytest.mark.parametrize(("mechanisms", "n_p"), [(EVERY, 1), (WITH_LAMINA, 0)], ids=["persistence", "lamina"])
 @pytest.mark.parametrize("precision", ["float32", pytest.param("float64", marks=pytest.mark.slow)])
-def test_stepping_equals_the_scan_to_the_bit(precision):
+def test_stepping_equals_the_scan_to_the_bit(precision, mechanisms, n_p):
     frames = FRAMES.astype(precision)
-    model = lgmd.LGMD2(PARAMETERS, lgmd.Soft(0.5), n_p=1, low_pass="exact", mechanisms=EVERY)
+    model = lgmd.LGMD2(PARAMETERS, lgmd.Soft(0.5), n_p=n_p, low_pass="exact", mechanisms=mechanisms)
     clip = model(frames, interval=INTERVALS)
     for channel, course in streamed(model, frames).items():
         np.testing.assert_array_equal(course, getattr(clip, channel), err_msg=channel)
 
 
 def test_the_clip_crosses_every_threshold():
-    for mechanisms in ((), EVERY[:1], EVERY):
+    for mechanisms in ((), EVERY[:1], EVERY, ("lamina",), ("size", "lamina"), WITH_LAMINA):
         out = oracle.respond(FRAMES.tolist(), None, values(), mechanisms=mechanisms, intervals=INTERVALS.tolist())
-        height = VALUES["T_p"] * INTERVALS / (INTERVALS + VALUES["tau1"])
+        share = 1 if "lamina" in mechanisms else INTERVALS / (INTERVALS + VALUES["tau1"])
+        height = VALUES["T_p"] * share * np.ones(len(FRAMES))
         threshold = VALUES["A_ffi"] if "size" in mechanisms else VALUES["T_ffi"]
         for distance in (
             np.array(out["s"]) - VALUES["T_s"],
@@ -146,10 +156,14 @@ def test_the_clip_crosses_every_threshold():
         assert set(out["spikes"]) == {0.0, 1.0, 2.0}
 
 
-@pytest.mark.parametrize("mechanisms", [EVERY, pytest.param(("size",), marks=pytest.mark.slow)], ids=str)
-def test_soft_goes_to_hard(mechanisms):
+@pytest.mark.parametrize(
+    ("mechanisms", "n_p"),
+    [(EVERY, 1), (WITH_LAMINA, 0), pytest.param(("size",), 1, marks=pytest.mark.slow)],
+    ids=str,
+)
+def test_soft_goes_to_hard(mechanisms, n_p):
     def model(thresholds):
-        return lgmd.LGMD2(PARAMETERS, thresholds, n_p=1, mechanisms=mechanisms)
+        return lgmd.LGMD2(PARAMETERS, thresholds, n_p=n_p, mechanisms=mechanisms)
 
     wanted, differences = model(lgmd.Hard())(FRAMES, 30.0), []
     for temperature in (1.0, 0.1, 0.01, 0.001, 0.0001):
@@ -212,7 +226,7 @@ def test_a_membrane_without_time_constant_is_none():
 def test_off_is_off_to_the_bit(thresholds):
     """The plain network, and what is left of one from which all mechanisms are taken out."""
     plain = lgmd.LGMD2(PARAMETERS, thresholds)(FRAMES, 30.0)
-    for mechanisms in (EVERY, ("size",), ("lag", "shunt")):
+    for mechanisms in (EVERY, ("size",), ("lag", "shunt"), WITH_LAMINA):
         left = lgmd.ablate(lgmd.LGMD2(PARAMETERS, thresholds, mechanisms=mechanisms), *mechanisms[::-1])
         for channel in oracle.CHANNELS:
             np.testing.assert_array_equal(getattr(left(FRAMES, 30.0), channel), getattr(plain, channel))
@@ -330,17 +344,19 @@ def test_what_is_compared_with_change_per_time_stays_at_another_rate(fps):
 
 
 @pytest.mark.parametrize(
-    ("mechanism", "left"),
+    ("mechanisms", "mechanism", "left"),
     [
-        ("size", ("shunt", "lag", "membrane", "rate")),
-        ("shunt", ("size", "lag", "rate")),
-        ("lag", ("size", "shunt", "membrane", "rate")),
-        ("membrane", ("size", "shunt", "lag", "rate")),
-        ("rate", ("size", "shunt", "lag", "membrane")),
+        (EVERY, "size", ("shunt", "lag", "membrane", "rate")),
+        (EVERY, "shunt", ("size", "lag", "rate")),
+        (EVERY, "lag", ("size", "shunt", "membrane", "rate")),
+        (EVERY, "membrane", ("size", "shunt", "lag", "rate")),
+        (EVERY, "rate", ("size", "shunt", "lag", "membrane")),
+        (WITH_LAMINA, "lamina", ("size", "shunt", "lag", "membrane")),
+        (WITH_LAMINA, "size", ("shunt", "lag", "membrane", "lamina")),
     ],
 )
-def test_ablation_takes_a_mechanism_out(mechanism, left):
-    whole = lgmd.LGMD2(PARAMETERS, mechanisms=EVERY)
+def test_ablation_takes_a_mechanism_out(mechanisms, mechanism, left):
+    whole = lgmd.LGMD2(PARAMETERS, mechanisms=mechanisms)
     without = lgmd.ablate(whole, mechanism)
     assert without.mechanisms == left
     assert_equal(vars(without(FRAMES, 20.0)), vars(lgmd.LGMD2(PARAMETERS, mechanisms=left)(FRAMES, 20.0)), 1e-15)
@@ -366,7 +382,10 @@ def test_without_inhibition_nothing_is_inhibited(mechanisms):
     np.testing.assert_allclose(free.smp, 1 / (1 + np.exp(-drive)), rtol=1e-9)
 
 
-@pytest.mark.parametrize(("mechanisms", "n_p"), [(COMBINATIONS[i], i % 2) for i in (0, 1, 4, 6, 9, 11)], ids=str)
+UNUSED = [*((COMBINATIONS[i], i % 2) for i in (0, 1, 4, 6, 9, 11)), (("lamina",), 0)]
+
+
+@pytest.mark.parametrize(("mechanisms", "n_p"), UNUSED, ids=str)
 def test_what_is_unused_changes_nothing_and_the_rest_does(mechanisms, n_p):
     model, names = lgmd.LGMD2(PARAMETERS, lgmd.Soft(1.0), n_p=n_p, mechanisms=mechanisms), list(lgmd.symbols())
     factors = 1 + 0.1 * np.eye(len(names), len(names) + 1)  # a set for each that is moved, and one as it is
@@ -390,8 +409,13 @@ def built(mechanisms: Any) -> lgmd.LGMD2:
     ("call", "message"),
     [
         (lambda: built(("membrane",)), r"mechanisms is \('membrane',\); a membrane needs the shunt"),
-        (lambda: built(("size", "sice")), r"mechanisms is \('size', 'sice'\); give a tuple of 'size'"),
-        (lambda: built(("lag", "lag")), r"mechanisms is \('lag', 'lag'\); give a tuple"),
+        (lambda: built(("lamina", "rate")), r"mechanisms is \('lamina', 'rate'\); with a lamina .*: remove 'rate'"),
+        (lambda: lgmd.LGMD2(n_p=2, mechanisms=("lamina",)), "n_p is 2; a lamina .*: give n_p=0"),
+        (lambda: as_hard(values(), ("rate", "lamina")), "mechanisms has a lamina, .*; remove rate"),
+        (lambda: as_hard(values(), ("lamina",), n_p=1), "n_p is 1; a lamina .*: give n_p=0"),
+        (lambda: lgmd.Parameters(tau_lamina=0.0), r"tau_lamina is 0 ms; it must lie in \(0, inf\)"),
+        (lambda: built(("size", "sice")), "mechanisms has 'sice'; choose 'size'"),
+        (lambda: built(("lag", "lag")), "mechanisms has 'lag' twice; name each once"),
         (lambda: built(["size"]), r"mechanisms is \['size'\]; give a tuple"),
         (lambda: built("size"), "mechanisms is 'size'; give a tuple"),
         (lambda: built(([],)), r"mechanisms is \(\[\],\); give a tuple"),

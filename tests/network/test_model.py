@@ -168,7 +168,7 @@ def built(**fields: Any) -> lgmd.LGMD2:
 def test_repr_says_how_thresholds_act_and_what_the_parameters_are():
     text = repr(lgmd.LGMD2(lgmd.Parameters(k=2.5), lgmd.Soft(0.5), N_ts=3))
     assert text.startswith("LGMD2(Soft(0.5), n_p=0, low_pass='backward_euler', N_ts=3, mechanisms=(), eye=None,")
-    assert "k        = 2.5" in text
+    assert "k          = 2.5" in text
 
 
 @pytest.mark.usefixtures("untyped")

@@ -74,7 +74,7 @@ def test_traced_values_pass():
 
 def test_repr_names_value_unit_and_meaning():
     text = repr(lgmd.Parameters(tau1=12.5))
-    assert "tau1     = 12.5       ms" in text
+    assert "tau1       = 12.5       ms" in text
     assert len(text.splitlines()) == len(lgmd.symbols()) + 2
     assert "delay of the lateral flow" in text
     assert "f64[3]" in repr(jax.tree.map(lambda leaf: jnp.full(3, leaf), lgmd.Parameters()))

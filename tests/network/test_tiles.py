@@ -38,7 +38,7 @@ def assert_close(found, expected):
         np.testing.assert_allclose(leaf, other, rtol=0, atol=1e-11 * np.abs(other).max())
 
 
-@pytest.mark.parametrize("structure", [{"n_p": 2}, {"mechanisms": ("size",)}], ids=str)
+@pytest.mark.parametrize("structure", [{"n_p": 2}, {"mechanisms": ("size",)}, {"mechanisms": ("lamina",)}], ids=str)
 def test_sums_and_their_derivatives_are_those_of_the_whole_field(in_fours, structure):
     def with_derivatives(of):
         return jax.jit(lambda *inputs: (of(*inputs, SOFT, structure), jax.jacfwd(of)(*inputs, SOFT, structure)))
@@ -82,6 +82,11 @@ def test_a_pixel_that_is_not_a_number_shows_in_whichever_tile_it_is(in_fours):
 )
 def test_the_height_of_a_tile(rows, cols, expected):
     assert tiles.tile_height(rows, 4 * cols) == expected
+
+
+def test_a_derivative_has_lower_tiles_since_it_keeps_more_maps():
+    assert tiles.tile_height(240, 4 * 320, tiles.DERIVED) == 24
+    assert tiles.tile_height(72, 4 * 99, tiles.DERIVED) == 72
 
 
 @pytest.mark.parametrize("levels", [jnp.uint8, jnp.int16, jnp.float32])

@@ -1,9 +1,9 @@
 """The arguments of `lgmd2jax arena`."""
 
 import argparse
-from pathlib import Path
 
 from lgmd2jax.cli.options.model_option import MODEL_HELP
+from lgmd2jax.cli.options.output import new_file
 
 _EXAMPLES = """\
 examples:
@@ -52,5 +52,5 @@ def add(commands: argparse._SubParsersAction) -> None:
         help="where the robot turns at an alarm: to a random side, or away from the side of more evidence by 45 to "
         "135 degrees (default: %(default)s)",
     )
-    parser.add_argument("--json", type=Path, metavar="FILE", help="also write the numbers, by detector")
-    parser.add_argument("--figure", type=Path, metavar="FILE", help="also draw trajectories in the first arenas")
+    parser.add_argument("--json", type=new_file, metavar="FILE", help="also write the numbers, by detector")
+    parser.add_argument("--figure", type=new_file, metavar="FILE", help="also draw trajectories in the first arenas")

@@ -6,8 +6,8 @@ from lgmd2jax.cli.options.recipe_option import add_recipe
 
 _EXAMPLES = """\
 examples:
-  lgmd2jax calibrate fits/video.toml                  the fit in fits/video/ gets an urgency
-  lgmd2jax calibrate mine.toml -o tonight             the one in tonight/, on the clips of the recipe mine.toml
+  lgmd2jax calibrate fits/video.toml                  the fit in fits/video/ gets a probability of contact
+  lgmd2jax calibrate mine.toml -o tonight             that in tonight/, on the clips of the recipe mine.toml
   lgmd2jax calibrate mine.toml --within-ms 800        contact within 800 ms, instead of the recipe's time or 500
 
 The folder holds the results of `lgmd2jax fit` by a recipe of kind "alarms". The probability of contact is a logistic

@@ -1,9 +1,9 @@
 """The arguments of `lgmd2jax characterise MODEL ...`."""
 
 import argparse
-from pathlib import Path
 
 from lgmd2jax.cli.options.model_option import MODEL_HELP
+from lgmd2jax.cli.options.output import new_file
 
 _EXAMPLES = """\
 examples:
@@ -32,8 +32,8 @@ def add(commands: argparse._SubParsersAction) -> None:
         epilog=_EXAMPLES,
     )
     parser.add_argument("models", metavar="MODEL", nargs="+", help=MODEL_HELP)
-    parser.add_argument("--json", type=Path, metavar="FILE", help="also write values, bounds, verdicts, evidence")
-    parser.add_argument("--figure", type=Path, metavar="FILE", help="also draw small panels, one colour a model")
+    parser.add_argument("--json", type=new_file, metavar="FILE", help="also write values, bounds, verdicts, evidence")
+    parser.add_argument("--figure", type=new_file, metavar="FILE", help="also draw small panels, one colour a model")
     parser.add_argument(
         "--intervals",
         action="store_true",
@@ -45,7 +45,7 @@ def add(commands: argparse._SubParsersAction) -> None:
         metavar="MECHANISM",
         nargs="*",
         help="one model as it is, and without each of these: ffi, sfa, lateral, on, off, and of size, shunt, lag, "
-        "membrane, rate those that it has; all of them where none is named",
+        "membrane, rate, lamina those that it has; all of them where none is named",
     )
     variants.add_argument("--raster", action="store_true", help="one model on other rasters, and what changes by that")
     parser.add_argument(

@@ -1,7 +1,8 @@
 """The arguments of `lgmd2jax compare FIT FIT ...`."""
 
 import argparse
-from pathlib import Path
+
+from lgmd2jax.cli.options.output import new_file
 
 _EXAMPLES = """\
 examples:
@@ -19,14 +20,16 @@ def add(commands: argparse._SubParsersAction) -> None:
     parser = commands.add_parser(
         "compare",
         help="compare fits to the same data",
-        description="Hold fits to the same stimuli and targets side by side: chi2 and R2 of each curve and in all,\n"
-        "parameters with their errors, what was left out and predicted, AIC and BIC.",
+        description="Compare fits to the same stimuli and targets: chi2 and R2 of each curve and in all,\n"
+        "parameters with their errors, R2 of conditions that were left out, AIC and BIC.",
         epilog=_EXAMPLES,
     )
     parser.add_argument(
         "fits", metavar="FIT", nargs="+", help="the folder of a fit, its fit.json, or the name of a shipped one"
     )
     parser.add_argument("--properties", action="store_true", help="also count the response properties of each model")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="also write all numbers, by fit")
-    parser.add_argument("--csv", type=Path, metavar="FILE", help="also write all numbers as a table, a column a fit")
-    parser.add_argument("--figure", type=Path, metavar="FILE", help="also draw them, one colour a fit")
+    parser.add_argument("--json", type=new_file, metavar="FILE", help="also write all numbers, by fit")
+    parser.add_argument(
+        "--csv", type=new_file, metavar="FILE", help="also write all numbers as a table, a column a fit"
+    )
+    parser.add_argument("--figure", type=new_file, metavar="FILE", help="also draw them, one colour a fit")

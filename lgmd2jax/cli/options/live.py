@@ -1,10 +1,10 @@
 """The arguments of `lgmd2jax live SOURCE`."""
 
 import argparse
-from pathlib import Path
 
 from lgmd2jax.cli.options.frames_option import add_frame_options
 from lgmd2jax.cli.options.model_option import add_model
+from lgmd2jax.cli.options.output import new_file
 
 _EXAMPLES = """\
 examples:
@@ -35,9 +35,11 @@ def add(commands: argparse._SubParsersAction) -> None:
         "source", metavar="SOURCE", help="0 or /dev/video0 for a camera, a udp:// or tcp:// stream, - for a pipe"
     )
     add_model(parser)
-    parser.add_argument("--csv", type=Path, metavar="FILE", help="also write a row for each frame that the model saw")
     parser.add_argument(
-        "--overlay", type=Path, metavar="FILE", help="also write a video with trace and alarm drawn on it"
+        "--csv", type=new_file, metavar="FILE", help="also write a row for each frame that the model saw"
+    )
+    parser.add_argument(
+        "--overlay", type=new_file, metavar="FILE", help="also write a video with trace and alarm drawn on it"
     )
     add_frame_options(parser, "99")
     parser.add_argument(

@@ -1,8 +1,8 @@
 """The arguments of `lgmd2jax looming DATA`."""
 
 import argparse
-from pathlib import Path
 
+from lgmd2jax.cli.options.output import new_file
 from lgmd2jax.cli.options.trials_option import add_trials
 
 _EXAMPLES = """\
@@ -22,13 +22,14 @@ def add(commands: argparse._SubParsersAction) -> None:
     parser = commands.add_parser(
         "looming",
         help="the law of peak times of recorded trials: alpha, delta and the threshold angle",
-        description="For each animal and for all: the line (collision - peak) = alpha l/|v| - delta, the threshold\n"
-        "angle 2 atan(1/alpha) and r2, with intervals by bootstrap over trials, and what was left out by which rule.",
+        description="Fit the law of peak times to recorded trials, for each animal and for all:\n"
+        "collision - peak = alpha l/|v| - delta, with the threshold angle 2 atan(1/alpha), r2, intervals by bootstrap\n"
+        "over trials, and what was left out by which rule.",
         epilog=_EXAMPLES,
     )
     add_trials(parser)
-    parser.add_argument("--json", type=Path, metavar="FILE", help="also write all values")
-    parser.add_argument("--figure", type=Path, metavar="FILE", help="also draw the lines")
+    parser.add_argument("--json", type=new_file, metavar="FILE", help="also write all values")
+    parser.add_argument("--figure", type=new_file, metavar="FILE", help="also draw the lines")
     parser.add_argument(
         "--kernel-ms",
         type=float,

@@ -1,7 +1,8 @@
 """The arguments of `lgmd2jax predict FOLDER PROTOCOL -o CSV`."""
 
 import argparse
-from pathlib import Path
+
+from lgmd2jax.cli.options.output import new_file
 
 _EXAMPLES = """\
 examples:
@@ -21,4 +22,4 @@ def add(commands: argparse._SubParsersAction) -> None:
     )
     parser.add_argument("folder", metavar="FOLDER", help="the folder of a fit, or the name of a shipped one")
     parser.add_argument("protocol", metavar="PROTOCOL", help="a TOML file, or the name of a shipped protocol")
-    parser.add_argument("-o", "--output", type=Path, metavar="CSV", required=True, help="the file to write")
+    parser.add_argument("-o", "--output", type=new_file, metavar="CSV", required=True, help="the file to write")

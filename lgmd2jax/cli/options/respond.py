@@ -5,6 +5,7 @@ from pathlib import Path
 
 from lgmd2jax.cli.options.frames_option import add_frame_options
 from lgmd2jax.cli.options.model_option import add_model
+from lgmd2jax.cli.options.output import new_file
 
 _EXAMPLES = """\
 examples:
@@ -37,10 +38,14 @@ def add(commands: argparse._SubParsersAction) -> None:
     )
     parser.add_argument("clip", metavar="CLIP", type=Path, help="a video file, or a folder of images in natural order")
     add_model(parser)
-    parser.add_argument("--csv", type=Path, metavar="FILE", help="the numbers (default: CLIP's name with .csv, here)")
-    parser.add_argument("--figure", type=Path, metavar="FILE", help="the figure (default: CLIP's name with .png, here)")
     parser.add_argument(
-        "--overlay", type=Path, metavar="FILE", help="also write the clip with potential and alarm drawn on it"
+        "--csv", type=new_file, metavar="FILE", help="the numbers (default: CLIP's name with .csv, here)"
+    )
+    parser.add_argument(
+        "--figure", type=new_file, metavar="FILE", help="the figure (default: CLIP's name with .png, here)"
+    )
+    parser.add_argument(
+        "--overlay", type=new_file, metavar="FILE", help="also write the clip with potential and alarm drawn on it"
     )
     parser.add_argument("--fps", type=float, metavar="N", help="frames per second (default: the file's own clock)")
     add_frame_options(parser, "that of the clip")

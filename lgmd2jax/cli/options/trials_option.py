@@ -6,7 +6,10 @@ import argparse
 def add_trials(parser: argparse.ArgumentParser) -> None:
     """The argument DATA, and options for what cannot be read from it."""
     parser.add_argument(
-        "data", metavar="DATA", nargs="+", help="CSV, .xlsx, .mat, .nwb, Spike2 text, what Neo reads; a folder"
+        "data",
+        metavar="DATA",
+        nargs="+",
+        help="a file of CSV, Excel, Matlab, NWB, Spike2 text or what Neo reads, or a folder of text files",
     )
     parser.add_argument(
         "--time-unit", choices=("ms", "s", "us"), help="the unit of all times, where no header states it"
@@ -24,5 +27,7 @@ def add_trials(parser: argparse.ArgumentParser) -> None:
         "--window", metavar="MS", type=float, nargs=2, help="start and end of each trial in ms from collision"
     )
     parser.add_argument("--separator", metavar="SIGN", help="between the cells of a text file (default: found)")
-    parser.add_argument("--decimal", choices=(".", ","), help="the decimal sign of a text file (default: found)")
+    parser.add_argument(
+        "--decimal", choices=(".", ","), metavar="SIGN", help="the decimal sign of a text file, . or , (default: found)"
+    )
     parser.add_argument("--unit", metavar="NAME", help="the neuron to read, of a file that holds several")

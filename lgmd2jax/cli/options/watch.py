@@ -1,9 +1,9 @@
 """The arguments of `lgmd2jax watch LABELS`."""
 
 import argparse
-from pathlib import Path
 
 from lgmd2jax.cli.options.model_option import add_model
+from lgmd2jax.cli.options.output import new_file
 
 _EXAMPLES = """\
 examples:
@@ -48,14 +48,14 @@ def add(commands: argparse._SubParsersAction) -> None:
     )
     parser.add_argument("labels", metavar="LABELS", help="a TOML file of labelled clips, or the name of a shipped one")
     add_model(parser)
-    parser.add_argument("--csv", type=Path, metavar="FILE", help="also write a row for each clip")
+    parser.add_argument("--csv", type=new_file, metavar="FILE", help="also write a row for each clip")
     parser.add_argument(
         "--figure",
-        type=Path,
+        type=new_file,
         metavar="FILE",
         help="also draw a line for each clip; with --baselines, hits against false alarms a minute of all detectors",
     )
-    parser.add_argument("--json", type=Path, metavar="FILE", help="also write all scores with their intervals")
+    parser.add_argument("--json", type=new_file, metavar="FILE", help="also write all scores with their intervals")
     parser.add_argument(
         "--baselines",
         action="store_true",

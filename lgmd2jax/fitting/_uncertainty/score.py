@@ -89,8 +89,9 @@ def promises(
         curvature, fall = float(slope @ slope), -float(slope @ rest)
         if curvature <= 1e-12 * float(whole @ whole):  # the free ones can replace it, or it changes nothing
             continue
+        value = float(value)
         better = float(np.clip(value + fall / curvature, low, high))
         step = better - value
         decrease = 2 * fall * step - curvature * step**2
-        scores.append(Score(name, float(value), better, decrease, float(scipy.stats.chi2.sf(decrease, 1))))
+        scores.append(Score(name, value, better, decrease, float(scipy.stats.chi2.sf(decrease, 1))))
     return sorted(scores, key=lambda score: -score.decrease)
