@@ -97,7 +97,7 @@ class AbstractNetwork(eqx.Module):
 
     @property
     def neuron(self) -> Neuron:
-        """As which neuron it is judged: one that answers dark approach alone, or any LGMD."""
+        """As which neuron the 22 properties judge the network: one that answers dark approach alone, or any LGMD."""
         return "LGMD1"
 
     def conflicts(self) -> dict[str, Bool[Array, "*batch"]]:

@@ -110,7 +110,7 @@ class LGMD2(AbstractNetwork):
 
     @property
     def unused(self) -> frozenset[str]:
-        """What belongs to mechanisms that the model does not have; T_ffi where inhibition codes size; u without n_p."""
+        """Parameters of mechanisms that the model does not have; T_ffi where inhibition codes size; u without n_p."""
         unused = {
             name for name, known in declared(Parameters).items() if known.mechanism not in (None, *self.mechanisms)
         }

@@ -94,7 +94,7 @@ class AbstractPixels(eqx.Module):
     def plain(
         self, frames: Real[Array, "time row col"], interval: Interval, record: Record | None = None
     ) -> tuple[Sums, Any]:
-        """The same by `step`, frame by frame, as JAX derives it."""
+        """The same as `over`, by `step`, frame by frame, with JAX's own derivatives."""
 
         def step(state, moment):
             frame, own = moment

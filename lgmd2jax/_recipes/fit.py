@@ -125,7 +125,7 @@ class Recipe:
         return leave_one_out(lambda pairs: self._predictor(pairs, progress, None), self.pairs, self._groups)
 
     def further(self, fit: Fit, memory: Memory, progress: bool = False) -> dict[str, Part]:
-        """What belongs to the results beside the fit, by a few words: each adds its part to a supplement.
+        """What the recipe asks for beside the fit, by a few words: functions that each add a part to a supplement.
 
         **Arguments:** `memory`: of finished work, so that what was stopped goes on from there.
         """

@@ -112,7 +112,7 @@ class Target(eqx.Module):
 
     @checked
     def on(self, stimulus: Stimulus) -> "Target":
-        """The same at the frames of the stimulus, every array of their number. What is not covered has weight 0.
+        """The same target at the frames of the stimulus, every array a value a frame; weight 0 where it has no value.
 
         **Raises:** `ValueError` for values at other times than the frames', unless `interpolate` allows it, and then
         where it covers no frame, or so little of the stimulus that its times must have another unit.
@@ -167,7 +167,7 @@ class Target(eqx.Module):
 
     @property
     def thinning(self) -> Float[np.ndarray, " time"]:
-        """For each value, how many as close as its neighbours make one independent sample, at least 1.
+        """For each value, how many values as close as its neighbours make one independent sample, at least 1.
 
         For a target at a stimulus's frames.
         """

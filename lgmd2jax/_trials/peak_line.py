@@ -35,7 +35,7 @@ class PeakTimes:
     peak_ms: Mapping[float, float]
 
     def plain(self) -> dict[str, Any]:
-        """As in a JSON file."""
+        """The numbers as plain data for JSON."""
         intervals = {name: getattr(self, name)._asdict() for name in ("alpha", "delta_ms", "threshold_angle_deg")}
         return vars(self) | intervals | {"peak_ms": {f"{speed:g}": peak for speed, peak in self.peak_ms.items()}}
 
@@ -67,7 +67,7 @@ class LoomingEstimate:
         return self.summary()
 
     def plain(self) -> dict[str, Any]:
-        """As in a JSON file."""
+        """The numbers as plain data for JSON."""
         return {
             "pooled": self.pooled.plain() | {"animals": len(self.animals)},
             "animals": {name: times.plain() for name, times in self.animals.items()},

@@ -63,7 +63,7 @@ class Trials:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """What conditions are told apart by."""
+        """The names of what differs between conditions, such as `l_over_v`."""
         return tuple(dict.fromkeys(name for trial in self.trials for name in trial.condition))
 
     @checked

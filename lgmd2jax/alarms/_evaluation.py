@@ -163,7 +163,7 @@ class HeldOutScores:
     @classmethod
     @checked
     def of(cls, evaluations: Mapping[str, Evaluation]) -> "HeldOutScores":
-        """From the evaluations of all models on the same clips."""
+        """The scores of models, from their evaluations on the same clips."""
         first = next(iter(evaluations.values()))
         scores = {name: evaluation.score() for name, evaluation in evaluations.items()}
         return cls(first.silent_minutes, first.windows, scores)

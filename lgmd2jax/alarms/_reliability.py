@@ -45,7 +45,7 @@ class Reliability:
         happens: Bool[np.ndarray, " frame"],
         clip: Int[np.ndarray, " frame"],
     ) -> "Reliability":
-        """From a probability for each frame, whether contact followed, and the number of the clip."""
+        """The reliability of a probability for each frame, by whether contact followed, and the number of its clip."""
         _, group = np.unique(clip, return_inverse=True)
         bins = np.minimum((probability * _BINS).astype(int), _BINS - 1)
         square = (probability - happens) ** 2

@@ -38,7 +38,7 @@ class Candidate:
 
     @classmethod
     def of(cls, plain: Mapping[str, Any]) -> "Candidate":
-        """From plain data, as JSON gives it back."""
+        """The start from plain data, as JSON gives it back."""
         return cls(**{**plain, "z": tuple(plain["z"]), "peaks": tuple(plain["peaks"])})
 
 

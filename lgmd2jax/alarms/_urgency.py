@@ -75,7 +75,7 @@ class Urgency:
 
     @checked
     def recalibrated(self, model: LGMD2, clips: Sequence[LabelledClip]) -> tuple["Urgency", Reliability]:
-        """With a calibration table from clips that neither the model nor the urgency was fitted on.
+        """The urgency with a calibration table, from clips that neither the model nor the urgency was fitted on.
 
         **Returns:** the urgency, and its reliability on the same clips: a fifth of them each is judged by the table of
         the others. Fewer than five clips make no table.

@@ -102,7 +102,7 @@ class Curve:
 
     @checked
     def distance(self, kind: Kind = "hard") -> Float[np.ndarray, " time"]:
-        """From the target, in the channel's unit, negative below; 0 within a band."""
+        """The distance from the target at each frame, in the channel's unit, negative below it; 0 within a band."""
         response = getattr(self, kind)
         return response - np.clip(response, self.target, self.high)
 
@@ -120,13 +120,13 @@ class Curve:
 
     @checked
     def deviance_residuals(self, rate: Float[np.ndarray, " time"]) -> Float[np.ndarray, " counted"]:
-        """Of counts, where they count, from a rate in spikes/s."""
+        """The deviance residuals of counts of spikes, where they count, from a rate in spikes/s."""
         counts, means = self._counts_and_means(rate)
         return np.asarray(deviance_residuals(jnp.asarray(counts), jnp.asarray(means)))
 
     @checked
     def minus_two_log_likelihood(self, kind: Kind = "hard") -> float:
-        """Of counts under the model, all terms included."""
+        """-2 ln L of counts of spikes under the model, all terms included."""
         return minus_two_log_likelihood(*self._counts_and_means(getattr(self, kind)))
 
     def _counts_and_means(

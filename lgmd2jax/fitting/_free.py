@@ -177,7 +177,7 @@ class Free:
 
     @checked
     def also(self, **choices: Choice) -> "Free":
-        """These and further choices.
+        """These choices and further ones.
 
         **Raises:** `ValueError` as the class itself.
         """
@@ -225,7 +225,7 @@ class Free:
     def insert(
         self, parameters: P, observation: Observation, z: Float[Array | np.ndarray, " free"]
     ) -> tuple[P, Observation]:
-        """Both with their free parameters at z, a point of the unit box, and tied ones following."""
+        """The parameters and the observation at z, a point of the unit box, tied ones following the free ones."""
         values = self.values(z)
         for name, tie in self.ties.items():
             if name not in values:

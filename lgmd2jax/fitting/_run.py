@@ -27,7 +27,7 @@ class Run:
 
     @classmethod
     def of(cls, plain: Mapping[str, Any]) -> "Run":
-        """From plain data, as JSON gives it back."""
+        """The run from plain data, as JSON gives it back."""
         history = tuple(tuple(losses) for losses in plain["history"])
         return cls(**{**plain, "start": tuple(plain["start"]), "z": tuple(plain["z"]), "history": history})
 

@@ -26,7 +26,7 @@ class Background(eqx.Module):
 
     @abc.abstractmethod
     def painter(self, eye: Eye) -> Callable[[Float[Array, ""]], Map]:
-        """What gives the frame at a time in ms."""
+        """A function that gives the frame at a time in ms."""
 
 
 @checked

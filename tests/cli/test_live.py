@@ -104,7 +104,10 @@ def test_a_pipe_gives_the_numbers_of_the_robots_program(place, capsys, monkeypat
         assert main(["live", "-", "--resize", "48", "--csv", "a.csv"]) == 0
     rows, pictures = table("a.csv"), looms(60)[..., 0]
     index = np.array([int(row["frame"]) for row in rows])
-    assert sum(counted(capsys.readouterr().out)) == 60
+    said = capsys.readouterr().out
+    seen, dropped = counted(said)
+    assert seen + dropped == 60
+    assert ("a file is for lgmd2jax respond" in said) == (dropped > seen)
     assert index[-1] == 59  # the newest is never dropped
     # Matroska rounds its time stamps to a millisecond.
     np.testing.assert_allclose([float(row["time_ms"]) for row in rows], (index - index[0]) * 1000 / 30, atol=1)
@@ -134,6 +137,16 @@ def piped(content):
 def _fill(writer, content):
     with contextlib.suppress(BrokenPipeError), open(writer, "wb") as file:
         file.write(content)
+
+
+def test_an_upright_stream_gets_a_word(place, capsys):
+    write_video(place / "film.mkv", list(noise(6, (96, 54))))
+    lgmd.save(lgmd.LGMD2(eye=lgmd.Eye(20, 36, degrees_per_pixel=1.95, fps=30.0)), "model.json")
+    with piped((place / "film.mkv").read_bytes()):
+        assert main(["live", "-", "--model", "model.json"]) == 0
+    said = capsys.readouterr().err
+    assert said.startswith("lgmd2jax: warning: the model sees 64 x 36 pixels, but the eye has 20 x 36")
+    assert "(--crop 33:63,0:54)" in said
 
 
 def test_a_camera_is_opened_by_its_number(place, monkeypatch, capsys):

@@ -37,14 +37,14 @@ class Profile:
 
     @classmethod
     def of(cls, plain: Mapping[str, Any]) -> "Profile":
-        """From plain data, as JSON gives it back."""
+        """The profile from plain data, as JSON gives it back."""
         low, high = plain["interval"]
         below, above = plain["is_open"]
         values, rise = (np.array(plain[name], float) for name in ("values", "rise"))
         return cls(values, rise, (low, high), (below, above), plain["limit"])
 
     def plain(self) -> dict[str, Any]:
-        """As plain data."""
+        """All as plain data for JSON."""
         return dataclasses.asdict(self) | {"values": self.values.tolist(), "rise": self.rise.tolist()}
 
 
