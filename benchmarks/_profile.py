@@ -6,7 +6,7 @@ and write says how near a program is to the bandwidth of its cache.
 
 import dataclasses
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -34,7 +34,7 @@ FREE = {
 class Program(NamedTuple):
     """A compiled program, how many frames a call is, and the bytes of maps that it reads and writes in a frame."""
 
-    call: Callable[[], object]
+    call: Callable[[], Any]
     frames: int
     bytes: int
 
@@ -82,7 +82,7 @@ def sweep_programs(side: int = SIDE) -> dict[str, Program]:
     }
 
 
-def _compiled(function, frames) -> tuple[Callable[[], object], str]:
+def _compiled(function, frames) -> tuple[Callable[[], Any], str]:
     """A call of a function of the task's parameters and of frames, and the text of its program."""
     given = _library.parameters()
     compiled = jax.jit(function).lower(given, frames).compile()

@@ -132,6 +132,7 @@ def test_bytes_are_those_that_a_step_reads_and_writes():
 
     x, films = jnp.zeros((64, 33), jnp.float32), jnp.ones((9, 64, 33), jnp.float32)
     text = jax.jit(loop).lower((x, x), films).compile().as_text()
+    assert text is not None
     found = _traffic.bytes_of_step(text, _traffic.body_of_loop(text, "f32[64,33]"))
     assert 0 < found - 2 * x.nbytes - x[3].nbytes < 100  # for indices
 
