@@ -7,13 +7,9 @@ import jax
 import jax.numpy as jnp
 
 import lgmd2jax as lgmd
-from benchmarks import _library
+from benchmarks import _library, _traffic
 from benchmarks._task import FPS, Size
 from lgmd2jax._network.tiles import tile_height
-
-# These name or bundle what is there; all else is work.
-_FREE = {"parameter", "constant", "tuple", "get-tuple-element", "bitcast"}
-_INSTRUCTION = re.compile(r"^\s+(?:ROOT )?%\S+ = (?:\(.*?\)|\S+) ([\w-]+)\(", re.MULTILINE)
 
 
 class Work(NamedTuple):
@@ -29,7 +25,8 @@ def work_per_frame(size: Size) -> Work:
     respond = jax.jit(lambda parameters, frames: lgmd.LGMD2(parameters)(frames, FPS))
     text = respond.lower(_library.parameters(), frames).compile().as_text()
     assert text is not None
-    loop = _pixel_loop(text, size)
+    height = tile_height(size.rows, 4 * size.cols)
+    loop = _traffic.body_of_loop(text, f"f32[{height + 2},{size.cols + 2}]")
     (body,) = re.findall(r"^%[\w.-]+", loop)
     (around,) = (part for part in text.split("\n}") if re.search(rf"body={re.escape(body)}(?![\w.-])", part))
     name = re.findall(r"^(?:ENTRY )?(%[\w.-]+) \(", around, re.MULTILINE)[0]
@@ -39,13 +36,5 @@ def work_per_frame(size: Size) -> Work:
 
 def count_instructions(computation: str) -> dict[str, int]:
     """The instructions of a computation by kind, but for those that cost nothing."""
-    kinds = [kind for kind in _INSTRUCTION.findall(computation) if kind not in _FREE]
+    kinds = [it.operation for it in _traffic.instructions(computation) if it.operation not in _traffic.FREE]
     return {kind: kinds.count(kind) for kind in sorted(set(kinds))}
-
-
-def _pixel_loop(text: str, size: Size) -> str:
-    """The body of the loop that carries maps of a tile, with their border, not of the one over the cell."""
-    shape = f"f32[{tile_height(size.rows, 4 * size.cols) + 2},{size.cols + 2}]"
-    names = [re.search(r"body=(%[\w.-]+)", line) for line in text.splitlines() if " while(" in line and shape in line]
-    (name,) = {found[1] for found in names if found}
-    return text[re.search(rf"^{re.escape(name)} \(", text, re.MULTILINE).start() :].split("\n}")[0]

@@ -98,19 +98,34 @@ def spread(films) -> jax.Array:
     return jax.device_put(films, jax.NamedSharding(_devices(), jax.P("devices")))
 
 
+WINDOW = {"start_ms": -900.0, "end_ms": 90.0}  # 100 frames
+
+
 def sweep(contrasts: int, speeds: int) -> Callable:
     """The peak of U' over 100 frames of looming, for each contrast and speed, rendering included."""
-    eye = lgmd.Eye(*SMALL, degrees_per_pixel=2.0, fps=100.0)
-    grid = jnp.meshgrid(jnp.linspace(-0.05, -1.0, contrasts), jnp.linspace(5.0, 100.0, speeds), indexing="ij")
+    return _of_parameters(surface(contrasts, speeds))
+
+
+def surface(contrasts: int, speeds: int) -> Callable:
+    """The same as a function of the parameters."""
+    eye, axes = sweep_eye(), sweep_axes(contrasts, speeds)
 
     def peak(parameters, contrast, l_over_v):
-        shown = lgmd.stimuli.looming(eye, contrast=contrast, l_over_v=l_over_v, start_ms=-900.0, end_ms=90.0)
+        shown = lgmd.stimuli.looming(eye, contrast=contrast, l_over_v=l_over_v, **WINDOW)
         return lgmd.LGMD2(parameters)(shown.frames, eye.fps).smp_adapted.max()
 
-    def surface(parameters):
-        return jax.lax.map(lambda pair: peak(parameters, *pair), tuple(axis.ravel() for axis in grid))
+    return lambda parameters: jax.lax.map(lambda pair: peak(parameters, *pair), axes)
 
-    return _of_parameters(surface)
+
+def sweep_eye() -> lgmd.Eye:
+    """What a sweep samples."""
+    return lgmd.Eye(*SMALL, degrees_per_pixel=2.0, fps=100.0)
+
+
+def sweep_axes(contrasts: int, speeds: int) -> tuple[jax.Array, jax.Array]:
+    """Contrast and speed of each condition."""
+    grid = jnp.meshgrid(jnp.linspace(-0.05, -1.0, contrasts), jnp.linspace(5.0, 100.0, speeds), indexing="ij")
+    return grid[0].ravel(), grid[1].ravel()
 
 
 def _devices():

@@ -8,13 +8,14 @@ import numpy as np
 from benchmarks._roofline import Machine
 from benchmarks._task import Size
 
-_ELSEWHERE = 256 * 2**20  # bytes, beyond every cache
+_ELSEWHERE, _TILE = 256 * 2**20, 2**19  # bytes, beyond every cache, and within that of a core
 
 
 def measure(sizes: tuple[Size, ...]) -> Machine:
     """Measure this machine."""
     state = {size: size.rows * size.cols * 4 * 6 for size in sizes}  # four maps and two frames
-    return Machine(_bandwidth(_ELSEWHERE), {size: _bandwidth(total) for size, total in state.items()}, _peak())
+    cached = {size: _bandwidth(total) for size, total in state.items()}
+    return Machine(_bandwidth(_ELSEWHERE), cached, _bandwidth(_TILE), _peak())
 
 
 def _bandwidth(total: int) -> float:

@@ -28,11 +28,13 @@ class Machine:
 
     - `memory`: bytes a second of a triad too large for the caches.
     - `cached`: bytes a second of a triad as large as what the network keeps at this size.
+    - `tile`: the same of a triad as large as what a response keeps of a tile.
     - `peak`: flops a second of fused multiply-adds in registers, as numba compiles them.
     """
 
     memory: float
     cached: dict[Size, float]
+    tile: float
     peak: float
 
     def seconds(self, size: Size) -> float:

@@ -77,6 +77,7 @@ class Run:
     rows: Mapping[Size, Mapping[str, Row]]
     memory: Mapping[tuple[str, int], _gradient_memory.GradientMemory]
     machine: _roofline.Machine | None
+    profiles: Mapping[Size, Mapping[str, Mapping[str, _profile.Program]]]
     work: Mapping[Size, _kernels.Work]
     accelerator: _accelerator.Accelerator | None
 
@@ -108,10 +109,13 @@ def library_subjects(size: Size) -> dict[str, Subject]:
     return {name: Subject(functools.partial(function, frames)) for name, function in made.items()}
 
 
-def profile_subjects(size: Size) -> dict[str, Subject]:
-    """The loop of the forward up to each of its parts."""
-    frames = jnp.asarray(film(size, FRAMES))
-    return {f"up to {part}": Subject(functools.partial(_profile.up_to(part), frames)) for part in _profile.PARTS}
+def profiles(size: Size) -> dict[str, dict[str, _profile.Program]]:
+    """By what is profiled, the programs that end with each of its parts."""
+    return _profile.programs(size) | ({"sweep": _profile.sweep_programs()} if size == SMALL else {})
+
+
+def _up_to(what: str, part: str) -> str:
+    return f"{what}, up to {part}"
 
 
 def batch_subjects() -> dict[str, Subject]:
@@ -146,27 +150,36 @@ def peer_subjects(size: Size) -> dict[str, Subject]:
     return {name: dataclasses.replace(subject, compiled=True) for name, subject in subjects.items()}
 
 
-def measure(quick: bool) -> Run:
-    """Measure everything."""
+def measure(quick: bool, profile_only: bool = False) -> Run:
+    """Measure everything, or the profiles alone."""
     sweep = 4 if quick else SWEEP
-    rows = {}
+    rows, profiled = {}, {}
     for size in tqdm((SMALL, ROBOT, LARGE), desc="speed", leave=False):
-        subjects = library_subjects(size) | profile_subjects(size) | peer_subjects(size)
-        if size == SMALL:
+        profiled[size] = profiles(size)
+        subjects = {
+            _up_to(what, part): Subject(it.call, it.frames, compiled=True)
+            for what, parts in profiled[size].items()
+            for part, it in parts.items()
+        }
+        if not profile_only:
+            subjects |= library_subjects(size) | peer_subjects(size)
+        if size == SMALL and not profile_only:
             subjects |= batch_subjects()
             subjects["sweep, stimuli included"] = Subject(_library.sweep(sweep, sweep), sweep**2 * 100)
         timings = time_together({name: it.call for name, it in subjects.items()}, rounds=3 if quick else 11)
         rows[size] = {
             name: Row(timing, subjects[name].frames, subjects[name].compiled) for name, timing in timings.items()
         }
+    machine = _peers.find("_numba_machine")
+    roofline = machine and machine.measure(tuple(rows))
+    if profile_only:
+        return Run(rows, {}, roofline, profiled, {}, None)
     cases = [("exact", 60), ("exact", 600), ("exact", 6000), ("naive", 60), ("naive", 600)]
     if quick:
         cases = [("exact", 60), ("exact", 600), ("naive", 60)]
     memory = {case: _gradient_memory.measure(*case) for case in tqdm(cases, desc="memory", leave=False)}
-    machine = _peers.find("_numba_machine")
-    roofline = machine and machine.measure(tuple(rows))
     accelerator = None if jax.default_backend() == "cpu" else _accelerator.measure(rounds=3 if quick else 11)
-    return Run(rows, memory, roofline, {size: _kernels.work_per_frame(size) for size in rows}, accelerator)
+    return Run(rows, memory, roofline, profiled, {size: _kernels.work_per_frame(size) for size in rows}, accelerator)
 
 
 def table(run: Run) -> str:
@@ -201,14 +214,22 @@ def table(run: Run) -> str:
 
 
 def profile_lines(run: Run) -> list[str]:
-    """What each part of the forward adds to the loop over frames, by the rounds that were disturbed least."""
-    lines = ["where the time of the hard forward goes: us a frame that a part adds, and its share of the forward"]
-    for size, rows in run.rows.items():
-        least = {name: 1e6 * row.timing.least / row.frames for name, row in rows.items()}
-        whole, until = least["forward hard"], [0.0, *(least[f"up to {part}"] for part in _profile.PARTS)]
-        added = [after - before for before, after in itertools.pairwise(until)]
-        parts = [f"{part} {us:.1f} ({us / whole:.0%})" for part, us in zip(_profile.PARTS, added, strict=True)]
-        lines.append(f"{size!s:8} {', '.join(parts)}; of {whole:.1f}")
+    """What each part adds, by the rounds that were disturbed least; at best, as fast as a cache gives its bytes."""
+    lines = ["where the time goes, by what each part adds to a frame: us, its share, KB of maps, us for these at best"]
+
+    def add(head: str, us: float, whole: float, count: int) -> None:
+        best = f"{1e6 * count / run.machine.tile:9.1f}" if run.machine else ""
+        lines.append(f"{head}{us:9.1f}{us / whole:6.0%}{count / 1e3:9.0f}{best}")
+
+    for size, profiled in run.profiles.items():
+        for what, parts in profiled.items():
+            rows = {part: run.rows[size][_up_to(what, part)] for part in parts}
+            until = [0.0, *(1e6 * row.timing.least / row.frames for row in rows.values())]
+            bytes_until = [0, *(program.bytes for program in parts.values())]
+            added = zip(parts, itertools.pairwise(until), itertools.pairwise(bytes_until), strict=True)
+            for part, (before, after), (bytes_before, bytes_after) in added:
+                add(f"{size!s:8} {what:14}{part:34}", after - before, until[-1], bytes_after - bytes_before)
+            add(f"{size!s:8} {what:14}{'in all':34}", until[-1], until[-1], bytes_until[-1])
     return lines
 
 
@@ -258,11 +279,15 @@ def main() -> None:
     parser.add_argument("--quick", action="store_true", help="3 rounds instead of 11, a smaller sweep, less memory")
     parser.add_argument("--json", metavar="FILE", type=Path, help="write the figures here too")
     parser.add_argument("--one-core", action="store_true", help="hold everything to one core, XLA's threads too")
+    parser.add_argument("--profile", action="store_true", help="where the time goes, and nothing else")
     options = parser.parse_args()
     if options.one_core:
         os.sched_setaffinity(0, [min(os.sched_getaffinity(0))])
     set_flags()
     print(f"XLA_FLAGS={os.environ['XLA_FLAGS']!r}")
+    if options.profile:
+        print(*profile_lines(measure(options.quick, profile_only=True)), sep="\n")
+        return
     jax.config.update("jax_num_cpu_devices", 2)
     for module, package in _peers.PACKAGES.items():
         peer = _peers.find(module)

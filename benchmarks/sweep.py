@@ -3,7 +3,8 @@
 python -m benchmarks.sweep
 
 Three tables, each by itself with --only cost, memory or workers. Times are medians over rounds, in which every subject
-is called once, so that what disturbs the machine disturbs them all; compilation is apart.
+is called once, so that what disturbs the machine disturbs them all; compilation is apart. XLA compiles as for the
+command `lgmd2jax`, unless `XLA_FLAGS` is set.
 """
 
 import argparse
@@ -21,6 +22,7 @@ import numpy as np
 
 import lgmd2jax as lgmd
 from benchmarks._timing import time_together
+from lgmd2jax._compute.xla import set_flags
 
 EYE = lgmd.Eye(48, 64, degrees_per_pixel=2.0, fps=100.0)
 WINDOW = {"start_ms": -900.0, "end_ms": 90.0}  # 100 frames
@@ -134,6 +136,7 @@ def main() -> None:
     parser.add_argument("--only", choices=("cost", "memory", "workers"), help="one table")
     parser.add_argument("--fill", nargs=2, help=argparse.SUPPRESS)
     options = parser.parse_args()
+    set_flags()
     if options.fill:
         print(fill(*options.fill))
         return

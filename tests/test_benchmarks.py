@@ -11,7 +11,7 @@ import scipy.optimize
 import xarray
 
 import lgmd2jax as lgmd
-from benchmarks import _kernels, _peers, paper_sentences, threshold_angle
+from benchmarks import _kernels, _library, _peers, _profile, _traffic, paper_sentences, threshold_angle
 from benchmarks._evolution import Evolution, outside
 from benchmarks._task import FPS, PARAMETERS, VALUES, Size, film
 from benchmarks._timing import time_together
@@ -118,6 +118,55 @@ def test_kernels_are_those_of_the_pixel_loop():
   %copy.2 = f32[3,3]{1,0} copy(%map)
   ROOT %next = (s32[], f32[3,3]{1,0}) tuple(%map, %moved.1)"""
     assert _kernels.count_instructions(loop) == {"copy": 1, "fusion": 1}
+
+
+def test_bytes_are_those_that_a_step_reads_and_writes():
+    """A map that is scaled where it lies, and another of which a row is written into it."""
+
+    def loop(maps, films):
+        def step(maps, film):
+            scaled, written = maps
+            return (1.5 * scaled, written.at[3].set(film[2] + film[4])), None
+
+        return jax.lax.scan(step, maps, films)[0]
+
+    x, films = jnp.zeros((64, 33), jnp.float32), jnp.ones((9, 64, 33), jnp.float32)
+    text = jax.jit(loop).lower((x, x), films).compile().as_text()
+    assert text is not None
+    found = _traffic.bytes_of_step(text, _traffic.body_of_loop(text, "f32[64,33]"))
+    assert 0 < found - 2 * x.nbytes - x[3].nbytes < 100  # for indices
+
+
+def test_a_profile_ends_with_what_is_profiled():
+    """The parts of each add bytes, and the last program is the whole: its result is that of the library."""
+    with jax.enable_x64(False):
+        check_profiles(Size(26, 31))
+
+
+def check_profiles(size):
+    profiled = _profile.programs(size) | {"sweep": _profile.sweep_programs(side=2)}
+    for what, parts in profiled.items():
+        traffic = [program.bytes for program in parts.values()]
+        assert traffic == sorted(traffic), what
+        assert traffic[0] > 0, what
+    last = {what: list(parts.values())[-1].call() for what, parts in profiled.items()}
+    frames = jnp.asarray(film(size, _profile.FRAMES))
+    model, interval = lgmd.LGMD2(lgmd.Parameters(**PARAMETERS)), jnp.asarray(1000 / FPS)
+    _, ((f,), (mp,)) = last["hard response"]
+    assert_close((mp, f), model.sums(frames, interval)[0])
+    jacobian, sums = list(profiled["gradient"].values())[-2].call()
+    assert_close(sums, lgmd.LGMD2(lgmd.Parameters(**PARAMETERS), lgmd.Soft()).sums(frames, interval)[0])
+    freed = [name for names in _profile.FREE.values() for name in names]
+    for found, whole in zip(jacobian, _library.jacobian()(frames), strict=True):
+        assert_close(found, {name: getattr(whole, name) for name in freed})
+    assert_close(last["gradient"], _library.gradient()(frames))
+    np.testing.assert_allclose(last["sweep"], _library.sweep(2, 2)(), rtol=1e-4)
+
+
+def assert_close(found, expected):
+    """In single precision."""
+    for leaf, other in zip(jax.tree.leaves(found), jax.tree.leaves(expected), strict=True):
+        np.testing.assert_allclose(leaf, other, rtol=0, atol=1e-3 * np.abs(other).max())
 
 
 def test_the_threshold_angle_of_a_cell_that_obeys_the_law_is_one():

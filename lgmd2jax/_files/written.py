@@ -15,6 +15,7 @@ def noted() -> list[Path]:
 
 
 def note(path: Path) -> None:
-    """Note a file or a folder that has appeared under its own name, and not as a part of what is still to appear."""
-    if path not in _noted and not any(map(is_temporary, (path, *path.parents))):
+    """Note a file or a folder that has appeared, other than in a folder that is noted or is still to appear."""
+    places = path, *path.parents
+    if not any(place in _noted or is_temporary(place) for place in places):
         _noted.append(path)

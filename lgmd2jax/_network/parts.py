@@ -7,7 +7,7 @@ import equinox as eqx
 import jax
 from jaxtyping import Array, Float
 
-from lgmd2jax._network.maps import Bordered, inside
+from lgmd2jax._network.maps import Bordered, folded, inside, pool
 from lgmd2jax._network.medulla import lateral
 from lgmd2jax._network.stages import AbstractPixels
 from lgmd2jax._types import Map, Scalar
@@ -58,5 +58,9 @@ class PixelParts(AbstractPixels):
         """S."""
 
     @abc.abstractmethod
+    def gate(self, s: Map) -> Map:
+        """S', whose sum is MP."""
+
     def gate_and_pool(self, s: Map) -> Scalar:
         """MP."""
+        return pool(folded(self.gate(s)))

@@ -5,7 +5,7 @@ import jax.numpy as jnp
 
 from lgmd2jax._network import medulla, retina
 from lgmd2jax._network.low_pass import LowPass, coefficient, low_pass
-from lgmd2jax._network.maps import Bordered, bordered, folded, inside, pool
+from lgmd2jax._network.maps import Bordered, bordered, inside, pool
 from lgmd2jax._network.parameters import Parameters
 from lgmd2jax._network.parts import PixelParts, Signals, Traces, signals_of
 from lgmd2jax._network.sensitivity import exact_sums
@@ -133,6 +133,6 @@ class Pixels(PixelParts):
         s_on, s_off = medulla.local_sums(*signals, self.parameters.w_bias)
         return medulla.s_layer(s_on, s_off, self.parameters)
 
-    def gate_and_pool(self, s: Map) -> Scalar:
-        """Eqs 9 and 11."""
-        return pool(folded(medulla.gate(s, self.parameters.T_s, self.thresholds)))
+    def gate(self, s: Map) -> Map:
+        """Eq. 9."""
+        return medulla.gate(s, self.parameters.T_s, self.thresholds)

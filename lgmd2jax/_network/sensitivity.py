@@ -20,7 +20,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Real
 
-from lgmd2jax._network.maps import Bordered, pool
+from lgmd2jax._network.maps import Bordered, folded, pool
 from lgmd2jax._network.parameter_set import declared
 from lgmd2jax._network.parts import PixelParts, Traces, signals_of
 from lgmd2jax._network.stages import Interval, Sums
@@ -102,7 +102,8 @@ def _scan(pixels: PixelParts, frames, interval, names: tuple[str, ...], first, h
             return _Carry(traces, {}, border), (Sums(mp, f), ({}, {}))
         of_advance = _linearised(advance, pixels, carry.traces)
         s = pixels.add_flows(signals)
-        mp, by_s = jax.value_and_grad(pixels.gate_and_pool)(s)
+        s_gated, to_s = jax.vjp(pixels.gate, s)
+        mp, (by_s,) = pool(folded(s_gated)), to_s(jnp.ones_like(s))
 
         def derivatives(name: str) -> tuple[Traces, Scalar | None, Scalar | None]:
             """Of the traces, MP and F."""

@@ -312,7 +312,7 @@ def _by_remark(clips: Sequence[_Opened], eye: Eye) -> dict[str, list[str]]:
     """What is to be said of the fields of clips, with the names of those of which it is."""
     names: dict[str, list[str]] = {}
     for clip in clips:
-        if remark := field_remark(clip.clip, eye):
+        if remark := field_remark(clip.clip.size, clip.clip.window, clip.clip.shape, eye):
             names.setdefault(remark, []).append(clip.name)
     return names
 

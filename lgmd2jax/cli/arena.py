@@ -14,7 +14,7 @@ from lgmd2jax.cli.all_cores import use_all_cores
 _DRAWN = 4  # arenas of a figure, as in the paper
 _MOST = 10_000  # arenas, which are driven at once
 _LONGEST = 3600  # seconds of a trip
-_COLUMNS = "detector", "collisions a metre", "by those of none", "coverage", "by that of none"
+_COLUMNS = "detector", "collisions a metre", "ratio to none", "coverage", "ratio to none"
 
 
 def run(options: argparse.Namespace) -> None:

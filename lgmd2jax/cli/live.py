@@ -10,11 +10,13 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from lgmd2jax import hard
+from lgmd2jax._eye import Eye
 from lgmd2jax._files.atomic import all_replaced
 from lgmd2jax._handover.model_file import as_hard, as_lgmd2
 from lgmd2jax._handover.named import model_file, model_named, with_parameters
 from lgmd2jax._network.lgmd2 import LGMD2
 from lgmd2jax._video.clip import Frame, nearly_square, shape_after, window_of
+from lgmd2jax._video.field import field_remark
 from lgmd2jax._video.live_source import Arrival, open_live
 from lgmd2jax._video.orientation import Window
 from lgmd2jax._video.overlay import Overlay
@@ -54,7 +56,7 @@ def run(options: argparse.Namespace) -> None:
             film = stack.enter_context(video_writer(files[options.overlay], fps))
         screen = stack.enter_context(view(model.levels.spikes))
         try:
-            for frame, moment in moments(program, source, options.source, crop, cols, 1000 / fps):
+            for frame, moment in moments(program, source, options.source, crop, cols, 1000 / fps, model.eye):
                 tally.add(moment)
                 screen.show(moment, tally, source.dropped)
                 if rows is not None:
@@ -77,11 +79,18 @@ def run(options: argparse.Namespace) -> None:
 
 
 def moments(
-    program: hard.HardLGMD2, arrivals: Iterable[Arrival], name: str, crop: Window, cols: int, usual_ms: float
+    program: hard.HardLGMD2,
+    arrivals: Iterable[Arrival],
+    name: str,
+    crop: Window,
+    cols: int,
+    usual_ms: float,
+    eye: Eye | None = None,
 ) -> Iterator[tuple[Frame, Moment]]:
     """Each frame that is not dropped, and the answer to it.
 
     **Arguments:** `name`: of the source. `cols`: of what the model sees. `usual_ms`: what the first frame lasts.
+    `eye`: of the model.
 
     **Raises:** `ValueError` for frames that change their size, and as the source does.
     """
@@ -91,6 +100,8 @@ def moments(
         if size is None or shape is None:
             size = pixels.size
             shape = shape_after(name, size, crop, cols, nearly_square(pixels.aspect))
+            if remark := field_remark(size, crop, shape, eye):
+                print(f"lgmd2jax: warning: {remark}", file=sys.stderr)
         if pixels.size != size:
             new, old = (f"{rows} x {cols}" for rows, cols in (pixels.size, size))
             raise ValueError(f"{name}: frame {arrival.number} has {new} pixels, those before {old}; start again")

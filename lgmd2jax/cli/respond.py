@@ -103,7 +103,7 @@ def _misfits(clip: Clip, model: AbstractNetwork) -> Iterator[str]:
         return
     if abs(clip.fps / model.eye.fps - 1) > 0.01:
         yield f"the model belongs to {model.eye.fps:g} fps, the clip has {clip.fps:g}"
-    if remark := field_remark(clip, model.eye):
+    if remark := field_remark(clip.size, clip.window, clip.shape, model.eye):
         yield remark
     if clip.shape[1] > 2 * model.eye.cols:
         yield (

@@ -139,6 +139,16 @@ def _fill(writer, content):
         file.write(content)
 
 
+def test_an_upright_stream_gets_a_word(place, capsys):
+    write_video(place / "film.mkv", list(noise(6, (96, 54))))
+    lgmd.save(lgmd.LGMD2(eye=lgmd.Eye(20, 36, degrees_per_pixel=1.95, fps=30.0)), "model.json")
+    with piped((place / "film.mkv").read_bytes()):
+        assert main(["live", "-", "--model", "model.json"]) == 0
+    said = capsys.readouterr().err
+    assert said.startswith("lgmd2jax: warning: the model sees 64 x 36 pixels, but the eye has 20 x 36")
+    assert "(--crop 33:63,0:54)" in said
+
+
 def test_a_camera_is_opened_by_its_number(place, monkeypatch, capsys):
     write_video(place / "film.mkv", looms(20))
     asked, real = [], av.open

@@ -76,7 +76,7 @@ def test_no_file_is_written_twice_or_over_what_is_read(tmp_path, monkeypatch, pa
 
 
 def test_what_has_appeared_is_noted(tmp_path):
-    """A file of a folder that is still to appear is none, nor is one of a cache, nor what failed."""
+    """A file of a folder that is noted or still to appear is none, nor is one of a cache, nor what failed."""
     written = noted()
     with replaced(tmp_path / "a.csv") as file, replaced(tmp_path / "cache", is_result=False) as kept:
         file.touch()
@@ -86,6 +86,8 @@ def test_what_has_appeared_is_noted(tmp_path):
         with replaced(folder / "model.json") as file:
             file.touch()
         assert written == [tmp_path / "a.csv"]
+    with replaced(tmp_path / "fit" / "fit.png") as file:
+        file.touch()
     with pytest.raises(KeyboardInterrupt), replaced(tmp_path / "b.csv"):
         raise KeyboardInterrupt
     assert written == [tmp_path / "a.csv", tmp_path / "fit"]

@@ -16,19 +16,23 @@ EYE = lgmd.Eye(20, 36, degrees_per_pixel=1.95, fps=30.0)
 LABELS = '[eye]\nrows = 20\ncols = 36\ndegrees_per_pixel = 1.95\nfps = 30\n[[clip]]\nfile = "a.mkv"\n'
 
 
+def remark_on(clip):
+    return field_remark(clip.size, clip.window, clip.shape, EYE)
+
+
 @pytest.mark.parametrize("size", [(96, 54), (54, 54), (24, 96)])
 @pytest.mark.parametrize("within", [None, "4:,3:"])
 def test_the_crop_of_the_remark_gives_the_shape_of_the_eye(tmp_path, size, within):
     path = write_video(tmp_path / "a.mkv", list(noise(2, size)))
     used = None if within is None else window_of(within)
     clip = open_clip(path, resize=36, crop=used)
-    remark = field_remark(clip, EYE)
+    remark = remark_on(clip)
     assert remark is not None
     assert f"the model sees {clip.shape[0]} x 36 pixels, but the eye has 20 x 36" in remark
     (crop,) = re.findall(r'crop = "(\S+)" \(--crop \1\)', remark)
     mended = open_clip(path, resize=36, crop=window_of(crop))
     assert abs(mended.shape[0] - 20) <= 1
-    assert field_remark(mended, EYE) is None
+    assert remark_on(mended) is None
     for part, whole, edge in zip(mended.window, clip.window, size, strict=True):
         (first, end, _), (low, high, _) = part.indices(edge), whole.indices(edge)
         assert low <= first < end <= high
@@ -37,7 +41,7 @@ def test_the_crop_of_the_remark_gives_the_shape_of_the_eye(tmp_path, size, withi
 
 @pytest.mark.parametrize("size", [(54, 96), (48, 64)])
 def test_the_usual_formats_get_no_remark(tmp_path, size):
-    assert field_remark(open_clip(write_video(tmp_path / "a.mkv", list(noise(2, size))), resize=36), EYE) is None
+    assert remark_on(open_clip(write_video(tmp_path / "a.mkv", list(noise(2, size))), resize=36)) is None
 
 
 def test_respond_and_watch_say_so_once(tmp_path, monkeypatch, capsys):

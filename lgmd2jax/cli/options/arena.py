@@ -24,7 +24,8 @@ within its ranges) in arenas of other seeds than those of the evaluation: fits/a
 python -m benchmarks.arena --train. A model that you name is taken to the robot's camera and left as it is.
 
 Intervals are of 95 %, by bootstrap over arenas. Coverage is the share of the free floor's cells of 5 cm that the robot
-came to, so that one that spins wins nothing.
+came to, so that one that spins wins nothing. Beside each number stands its ratio to that of the robot without a
+detector in the same arenas.
 """
 
 
