@@ -65,6 +65,10 @@ class Measured:
         """Of the field."""
         return (np.abs(self.steps) > MOVES).mean(axis=(1, 2))
 
+    def dark_share(self) -> Float[np.ndarray, " step"]:
+        """How much of the change is darkening: one half where as much grows lighter."""
+        return np.maximum(-self.steps, 0).sum(axis=(1, 2)) / np.maximum(np.abs(self.steps).sum(axis=(1, 2)), 1e-9)
+
     def coarse_share(self) -> Float[np.ndarray, " step"]:
         """How much of the power of the change has wavelengths of 8 pixels or more: the spectrum of the change."""
         power = np.abs(np.fft.fft2(self.steps)) ** 2
@@ -96,6 +100,8 @@ FEATURES: Mapping[str, Callable[[Measured], float]] = {
     "mean abs(dI) in silence, upper tenth": lambda m: _median(m.change(), m.silence, 0.9),
     "share of the field that moves, windows": lambda m: _median(m.share_that_moves(), m.window),
     "share of the field that moves, silence": lambda m: _median(m.share_that_moves(), m.silence),
+    "share of the field that moves, most in silence": lambda m: _median(m.share_that_moves(), m.silence, 1.0),
+    "darkening, share of the change, windows": lambda m: _median(m.dark_share(), m.window),
     "coarse share of the change, windows": lambda m: _median(m.coarse_share(), m.window),
     "coarse share of the change, silence": lambda m: _median(m.coarse_share(), m.silence),
     "own motion in silence, pixels/s": lambda m: _median(m.own_motion(), m.silence),
@@ -162,8 +168,8 @@ def _print(table: Table) -> None:
 def _draw(path: Path, table: Table) -> None:
     """Of each feature 10 to 90 % of the sources as a line, the middle half as a bar, the median as a mark."""
     colours = {REAL: GREY, FILMS: BLUE, ENCOUNTERS: VERMILION}
-    with drawn(path, 9, 7) as figure:
-        grid = figure.subplots(5, 3)
+    with drawn(path, 9, 8.4) as figure:
+        grid = figure.subplots(6, 3)
         for axes, name in zip(grid.flat, FEATURES, strict=False):
             for place, (world, rows) in enumerate(table.items()):
                 low, first, middle, third, high = rows[name]

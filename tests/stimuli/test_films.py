@@ -62,6 +62,41 @@ def test_an_object_is_as_large_as_it_is_far():
     assert coarse(light[None]).shape == (1, EYE.rows, EYE.cols)
 
 
+def test_a_shadow_falls_on_everything_within_it_and_on_nothing_else():
+    """Ground, walls, objects and bonnet keep the share .5 of their light; the sky and the picture far away keep all."""
+    plain = shot(0, 30.0)
+    thing = Thing(0.0, 1.0, 4.0, 1.0, 1.0, _look(plain, lamps=0.0, shape=30.0))
+    still = {"light": 1.0, "beam": 0.0, "haze": 1e9, "lines": 0.0, "lamps": 0.0, "bonnet": 0.2, "shade": 0.5}
+    film = _film(plain, _camera(plain, 1.0), [thing], wall_tall=3.0, indoors=True, skyline=0.3, **still)
+
+    def light(shade_from: float, shade_to: float):
+        place = {"shade_from": np.asarray(shade_from, np.float32), "shade_to": np.asarray(shade_to, np.float32)}
+        return draw(EYE, dataclasses.replace(film.scene, **place), film.motion)[0]
+
+    bright, dark = light(1e5, 1e5 + 1), light(-1e5, 1e5)
+    kept = dark / bright
+    assert np.all((kept > 0.499) & (kept < 1.001))  # between them are rays that pass an edge
+    assert np.mean((kept < 0.501) | (kept > 0.999)) > 0.9
+    np.testing.assert_allclose(kept[-4:], 0.5, rtol=1e-5)  # bonnet
+    np.testing.assert_allclose(kept[8:15, 17:19], 0.5, atol=1e-3)  # the thing
+    assert np.all(kept[0, 16:20] == 1)  # sky
+    beyond = light(8.0, 1e5)  # which begins behind the thing
+    np.testing.assert_allclose(beyond[-4:], bright[-4:])
+    np.testing.assert_allclose(beyond[8:15, 17:19], bright[8:15, 17:19])
+    assert np.any(beyond != bright)
+
+
+def test_shadows_lie_on_the_way_of_cameras_that_move():
+    """On a third of their ways; a camera that stands has none."""
+    moving = [COLLISIONS["side"](shot(seed, 30.0)) for seed in range(60)]
+    ways = np.array([np.ptp(film.motion.camera.ahead) for film in moving])
+    begins = np.array([film.scene.shade_from for film in moving])
+    assert np.all(begins[ways < 3] == 1e5)
+    shaded = begins[ways > 3] < 1e5
+    assert 0.15 < shaded.mean() < 0.6
+    assert np.all(begins[ways > 3][shaded] <= ways[ways > 3][shaded])
+
+
 def test_a_ray_sees_the_mean_of_its_footprint():
     """Of a picture with nine texels in a ray: the mean of rays that each see one. Without it they correlate by .65."""
     plain = Shot(np.random.default_rng(0), np.zeros(1))
