@@ -106,7 +106,7 @@ class Scene(eqx.Module):
     bonnet: Float[Array | np.ndarray, ""]
     bonnet_level: Float[Array | np.ndarray, ""]
 
-    def shaded(self, ahead: Float[Array, "*place"]) -> Float[Array, "*place"]:
+    def shaded(self, ahead: Float[Array | np.ndarray, "*place"]) -> Float[Array, "*place"]:
         """The share of the light that reaches places so many m ahead."""
         return jnp.where((ahead > self.shade_from) & (ahead < self.shade_to), self.shade, 1.0)
 

@@ -67,7 +67,7 @@ def test_a_shadow_falls_on_everything_within_it_and_on_nothing_else():
     plain = shot(0, 30.0)
     thing = Thing(0.0, 1.0, 4.0, 1.0, 1.0, _look(plain, lamps=0.0, shape=30.0))
     still = {"light": 1.0, "beam": 0.0, "haze": 1e9, "lines": 0.0, "lamps": 0.0, "bonnet": 0.2, "shade": 0.5}
-    film = _film(plain, _camera(plain, 1.0), [thing], wall_tall=3.0, indoors=True, skyline=0.3, **still)
+    film = _film(plain, _camera(plain, 1.0), [thing], None, wall_tall=3.0, indoors=True, skyline=0.3, **still)
 
     def light(shade_from: float, shade_to: float):
         place = {"shade_from": np.asarray(shade_from, np.float32), "shade_to": np.asarray(shade_to, np.float32)}
