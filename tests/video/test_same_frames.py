@@ -111,6 +111,8 @@ def assert_same(folder, path, lines=(), **options):
     return frames
 
 
+# The upright one is told that its shape is not the eye's.
+@pytest.mark.filterwarnings("ignore:.*the model sees 18 x 12 pixels:lgmd2jax._video.remarks.ClipWarning")
 @pytest.mark.parametrize("form", FORMATS)
 def test_all_see_the_same_frames_at_the_same_times(tmp_path, form):
     path = FORMATS[form](tmp_path)
