@@ -42,6 +42,11 @@ def signals_of(traces: Traces) -> Signals:
     return Signals(*flows, *delayed)
 
 
+def mp_of(s_gated: Map) -> Scalar:
+    """Eqs 10 and 11: MP, the sum of S', which the mean of eq. 10 keeps."""
+    return pool(folded(s_gated))
+
+
 class PixelParts(AbstractPixels):
     """What pixels remember, how flows add up to S, and the gate with the sum over the field."""
 
@@ -63,4 +68,4 @@ class PixelParts(AbstractPixels):
 
     def gate_and_pool(self, s: Map) -> Scalar:
         """MP."""
-        return pool(folded(self.gate(s)))
+        return mp_of(self.gate(s))

@@ -20,9 +20,9 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Real
 
-from lgmd2jax._network.maps import Bordered, folded, pool
+from lgmd2jax._network.maps import Bordered, pool
 from lgmd2jax._network.parameter_set import declared
-from lgmd2jax._network.parts import PixelParts, Traces, signals_of
+from lgmd2jax._network.parts import PixelParts, Traces, mp_of, signals_of
 from lgmd2jax._network.stages import Interval, Sums
 from lgmd2jax._network.tiles import DERIVED, FORWARD, change, over_tiles
 from lgmd2jax._types import Scalar
@@ -103,7 +103,7 @@ def _scan(pixels: PixelParts, frames, interval, names: tuple[str, ...], first, h
         of_advance = _linearised(advance, pixels, carry.traces)
         s = pixels.add_flows(signals)
         s_gated, to_s = jax.vjp(pixels.gate, s)
-        mp, (by_s,) = pool(folded(s_gated)), to_s(jnp.ones_like(s))
+        mp, (by_s,) = mp_of(s_gated), to_s(jnp.ones_like(s))
 
         def derivatives(name: str) -> tuple[Traces, Scalar | None, Scalar | None]:
             """Of the traces, MP and F."""

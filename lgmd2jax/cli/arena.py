@@ -65,8 +65,5 @@ def _table(outcomes: dict[str, Outcome]) -> list[str]:
             outcome.coverage_by(none),
         )
         rows.append((name, *("-" if math.isnan(measure.value) else str(measure) for measure in measures)))
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    aligned = [f"{row[0]:<{widths[0]}}" for row in rows]
-    for place, width in enumerate(widths[1:], start=1):
-        aligned = [f"{line}  {row[place]:>{width}}" for line, row in zip(aligned, rows, strict=True)]
-    return aligned
+    first, *others = (max(map(len, column)) for column in zip(*rows, strict=True))
+    return ["  ".join([name.ljust(first), *map(str.rjust, measures, others)]) for name, *measures in rows]

@@ -4,7 +4,6 @@ import argparse
 import contextlib
 import csv
 import math
-import sys
 import time
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -24,6 +23,7 @@ from lgmd2jax._video.trace import Row
 from lgmd2jax._video.writer import video_writer
 from lgmd2jax.cli.live_tally import COLUMNS, Moment, Tally
 from lgmd2jax.cli.live_view import view
+from lgmd2jax.cli.warning import warn
 
 _COLS = 99  # of the paper's robot, for a model that belongs to no size
 _FPS = 30.0  # likewise, where neither source nor model states one
@@ -46,8 +46,7 @@ def run(options: argparse.Namespace) -> None:
         source = stack.enter_context(open_live(options.source, options.timeout))
         fps = source.fps or (_FPS if model.eye is None else model.eye.fps)
         if model.eye is not None and abs(fps / model.eye.fps - 1) > 0.01:
-            said = f"the model belongs to {model.eye.fps:g} fps, {options.source} states {fps:g}"
-            print(f"lgmd2jax: warning: {said}", file=sys.stderr)
+            warn(f"the model belongs to {model.eye.fps:g} fps, {options.source} states {fps:g}")
         rows = film = overlay = None
         if options.csv:
             rows = csv.writer(stack.enter_context(open(files[options.csv], "w", newline="", encoding="utf-8")))
@@ -101,7 +100,7 @@ def moments(
             size = pixels.size
             shape = shape_after(name, size, crop, cols, nearly_square(pixels.aspect))
             if remark := field_remark(size, crop, shape, eye):
-                print(f"lgmd2jax: warning: {remark}", file=sys.stderr)
+                warn(remark)
         if pixels.size != size:
             new, old = (f"{rows} x {cols}" for rows, cols in (pixels.size, size))
             raise ValueError(f"{name}: frame {arrival.number} has {new} pixels, those before {old}; start again")
@@ -132,7 +131,7 @@ def _model(options: argparse.Namespace) -> tuple[LGMD2, hard.HardLGMD2]:
     if not options.set:
         return model, program
     if program.urgency is not None:
-        print("lgmd2jax: warning: the urgency was calibrated without --set, and is left out", file=sys.stderr)
+        warn("the urgency was calibrated without --set, and is left out")
     return model, as_hard(model)
 
 

@@ -35,6 +35,7 @@ from lgmd2jax.cli.options import (
     sweep,
     watch,
 )
+from lgmd2jax.cli.warning import warn
 
 _COMMANDS = (
     respond,
@@ -145,7 +146,7 @@ def _remarks_as_lines() -> Iterator[None]:
 
         def line(message, category, *place, **rest):
             if issubclass(category, Remark) or category is UserWarning:
-                print(f"lgmd2jax: warning: {message}", file=sys.stderr)
+                warn(message)
             else:
                 show(message, category, *place, **rest)
 

@@ -3,7 +3,6 @@
 import argparse
 import contextlib
 import csv
-import sys
 import time
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -22,6 +21,7 @@ from lgmd2jax._video.repeats import RULE
 from lgmd2jax._video.snapshots import Snapshots
 from lgmd2jax._video.trace import Row, Rows, Trace
 from lgmd2jax._video.writer import video_writer
+from lgmd2jax.cli.warning import warn
 
 
 def run(options: argparse.Namespace) -> None:
@@ -45,8 +45,8 @@ def run(options: argparse.Namespace) -> None:
         white=options.white,
         until_damage=options.until_damage,
     )
-    for warning in _misfits(clip, model):
-        print(f"lgmd2jax: warning: {warning}", file=sys.stderr)
+    for misfit in _misfits(clip, model):
+        warn(misfit)
 
     rows, snapshots, start = Rows(), Snapshots(), 0.0
     with contextlib.ExitStack() as stack:

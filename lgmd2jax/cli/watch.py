@@ -1,7 +1,6 @@
 """`lgmd2jax watch LABELS`: what a model does on labelled clips."""
 
 import argparse
-import sys
 
 from lgmd2jax._files.atomic import all_replaced, write_json
 from lgmd2jax._handover.named import model_named, with_parameters
@@ -13,6 +12,7 @@ from lgmd2jax.alarms import Comparison, Detector, detectors, evaluate, load_labe
 from lgmd2jax.alarms._baselines import check_packages
 from lgmd2jax.alarms._detectors import MODEL
 from lgmd2jax.alarms._report import clip_section, comparison_section, write_table
+from lgmd2jax.cli.warning import warn
 
 
 def run(options: argparse.Namespace) -> None:
@@ -29,16 +29,14 @@ def run(options: argparse.Namespace) -> None:
         raise ValueError(f"{options.model} is not an LGMD2; for another network use lgmd2jax respond")
     file = load_labels(options.labels)
     if model.eye is not None and model.eye.degrees_per_pixel != file.eye.degrees_per_pixel:
-        print(
-            f"lgmd2jax: warning: the model has degrees_per_pixel = {model.eye.degrees_per_pixel}, but {options.labels} "
-            f"has {file.eye.degrees_per_pixel}; parameters belong to one scale",
-            file=sys.stderr,
+        warn(
+            f"the model has degrees_per_pixel = {model.eye.degrees_per_pixel}, but {options.labels} has "
+            f"{file.eye.degrees_per_pixel}; parameters belong to one scale"
         )
     if model.eye is not None and other_field((file.eye.rows, file.eye.cols), model.eye):
-        print(
-            f"lgmd2jax: warning: the model's eye has {model.eye.rows} x {model.eye.cols} pixels, but that of "
-            f"{options.labels} has {file.eye.rows} x {file.eye.cols}; an object fills another share of such a field",
-            file=sys.stderr,
+        warn(
+            f"the model's eye has {model.eye.rows} x {model.eye.cols} pixels, but that of {options.labels} has "
+            f"{file.eye.rows} x {file.eye.cols}; an object fills another share of such a field"
         )
     outputs = [path for path in (options.csv, options.figure, options.json) if path]
     with all_replaced(outputs, (options.labels, options.model)) as files:
