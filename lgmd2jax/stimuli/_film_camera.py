@@ -24,10 +24,11 @@ def recorded(light: Float[np.ndarray, "time row col"], shot: Shot) -> UInt8[np.n
 
     **Raises:** `ValueError` without PyAV.
     """
-    contrast, middle = shot.log(1.2, 2.2), min(shot.between(80, 110), float(light.mean()))
+    of_frames = light.mean(axis=(1, 2))
+    contrast, middle = shot.log(1.2, 2.2), min(shot.between(80, 110), float(of_frames.mean()))
     flicker = shot.log(3e-4, 2e-3) if shot.often(0.5) else 0.0
     beat = np.sin(2 * np.pi * shot.between(0.5, 12) * shot.time)
-    gain = _exposure(light.mean(axis=(1, 2)), shot) * (1 + flicker * beat)
+    gain = _exposure(of_frames, shot) * (1 + flicker * beat)
     exposed = middle + contrast * (light * gain[:, None, None] - middle)
     noise = np.random.default_rng(shot.chance.integers(2**32)).standard_normal(light.shape, np.float32)
     # Photons come by chance: where there are more of them, their number varies more.

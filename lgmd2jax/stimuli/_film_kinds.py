@@ -14,6 +14,7 @@ Range = tuple[float | int, float | int]
 _BEHIND = -50.0  # m: where an object is that is not seen
 _AFTER_MS = 70.0  # of a collision that are still shown: the first jolt
 _WAY = 3.0  # m: a camera that goes less far meets no shadow
+_NOWHERE = 1e5  # m: where a shadow is that nobody meets
 _CAR = 1.8, 1.5  # m, width and height
 
 
@@ -82,8 +83,10 @@ def _film(shot: Shot, camera: Camera, things: list[Thing], left: Course | None =
 
 def _shade(shot: Shot, camera: Camera) -> dict[str, float]:
     """A shadow on the camera's way, of a bridge or of trees; most often none."""
-    way = float(camera.ahead[-1] - camera.ahead[0])
-    start = shot.between(0, way) if way > _WAY and shot.often(0.35) else 1e5
+    way = float(camera.ahead[-1])  # since time 0, which does not depend on the frame rate as the first frame does
+    start = way * shot.between(0, 1)
+    if not shot.often(0.35) or way <= _WAY:
+        start = _NOWHERE
     return {"shade_from": start, "shade_to": start + shot.log(2, 20), "shade": shot.between(0.3, 0.7)}
 
 
