@@ -14,7 +14,7 @@ while True:
 `model.step(frame, interval=ms)` takes the time since the last frame where the camera's clock is known, and
 `model(frames)` gives the response to a whole clip. The equations are those of Fu, Hu & Yue (arXiv 1801.06452), with the
 mechanisms that the file names: inhibition that codes size, a graded shunt, a lag, a membrane, change per
-time, a lamina.
+time, a lamina, habituation.
 
 It runs on Python 3.8 and NumPy 1.17 or later.
 """
@@ -58,6 +58,7 @@ MECHANISMS = {
     "membrane": {"tau_cell": "[0, inf)"},
     "rate": {},
     "lamina": {"tau_lamina": "(0, inf)"},
+    "habituation": {"tau_hab": "(0, inf)", "S_hab": "(0, inf)"},
 }
 EYE = ("rows", "cols", "degrees_per_pixel", "fps", "projection")
 MOST_FRAMES = 10000  # of persistence or of a window; more would only fill the memory
@@ -199,14 +200,14 @@ class HardLGMD2:
     def _start(self, frame):
         self._luminance = frame
         self._history = [np.zeros_like(frame)] * (1 if "lamina" in self.mechanisms else self.n_p)
-        self._on = self._off = self._d_on = self._d_off = self._held = np.zeros_like(frame)
+        self._on = self._off = self._d_on = self._d_off = self._held = self._fatigue = np.zeros_like(frame)
         self._ffi, self._smp, self._smp_adapted, self._excitation = 0.0, 0.5, 0.5, 0.0
         self._past = []  # ms ago, MP, F; the newest first
         self._spikes = [0] * self.N_ts
         self._level = 0.5
 
     def _pixels(self, frame, interval):
-        """Eqs 1-8: the S layer. Eq. 13 by thirds, or how many pixels changed of late: the sums whose mean is F."""
+        """Eqs 1-8 and habituation: the S layer. By thirds eq. 13, or how many pixels changed of late: F in sum."""
         v = self.parameters
         p = frame - self._luminance
         shares = self._persistence
@@ -225,12 +226,20 @@ class HardLGMD2:
         s_on = self._on - v["w_bias"] * _lateral(self._d_on)
         s_off = _lateral(self._d_off) - v["w_bias"] * self._off
         s = v["theta1"] * s_on + v["theta2"] * s_off + v["theta3"] * s_on * s_off
+        s = self._habituated(s, interval) if "habituation" in self.mechanisms else s
         if "size" not in self.mechanisms:
             return s, _thirds(np.abs(p))
         height = v["T_p"] if "lamina" in self.mechanisms else a * v["T_p"]
         changed = self._d_on + self._d_off > height
         self._held = np.where(changed, 1.0, math.exp(-interval / v["tau_hold"]) * self._held)
         return s, _thirds(self._held)
+
+    def _habituated(self, s, interval):
+        """A pixel excites the cell the less the more it did so until the frame before."""
+        left = s / (1 + self._fatigue / self.parameters["S_hab"])
+        a = self._coefficient(self.parameters["tau_hab"], interval)
+        self._fatigue = self._fatigue + a * (np.maximum(left, 0) - self._fatigue)
+        return left
 
     def _potential(self, s):
         """Eqs 9-11: MP, by thirds. The mean of eq. 10 keeps the sum."""

@@ -66,7 +66,7 @@ def respond(frames, fps, v, temperature=None, n_p=0, low_pass="backward_euler", 
     kept = 1 if "lamina" in mechanisms else n_p
     before, history = frames[0], [zeros() for _ in range(kept)]
     on, off, d_on, d_off = zeros(), zeros(), zeros(), zeros()
-    held = zeros()
+    held, fatigue = zeros(), zeros()
     ffi, excitation, u_before, adapted, spikes_before = 0.0, 0.0, 0.5, 0.5, [0.0] * N_ts
     told = []
     out = {name: [] for name in (*CHANNELS, *SIDES, "f", "s", "s_gated", "g", "rise", "unfloored", "d")}
@@ -93,6 +93,9 @@ def respond(frames, fps, v, temperature=None, n_p=0, low_pass="backward_euler", 
             s_on = on[x][y] - v["w_bias"] * spread(d_on, x, y)
             s_off = spread(d_off, x, y) - v["w_bias"] * off[x][y]
             s[x][y] = v["theta1"] * s_on + v["theta2"] * s_off + v["theta3"] * s_on * s_off
+            if "habituation" in mechanisms:  # what excited so far divides what excites now
+                s[x][y] /= 1 + fatigue[x][y] / v["S_hab"]
+                fatigue[x][y] += coefficient(v["tau_hab"]) * (max(s[x][y], 0.0) - fatigue[x][y])
             gated[x][y] = s[x][y] * step(s[x][y] - v["T_s"], 0.1 * v["T_s"])
         for x, y in pixels:  # eq. 10
             for i in (-1, 0, 1):

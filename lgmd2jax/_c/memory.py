@@ -19,7 +19,7 @@ def memory(model: LGMD2, rows: int, cols: int, urgency: bool = False) -> Memory:
     **Arguments:** `urgency`: whether it tells the probability of contact.
     """
     mechanisms, pixels = mechanisms_of(model), rows * cols
-    maps = 2 + ("size" in mechanisms) + ("lamina" in mechanisms) + model.n_p
+    maps = 2 + sum(name in mechanisms for name in ("size", "lamina", "habituation")) + model.n_p
     delays = 2 * rows * (cols + 2)
     cell = 3 + urgency + ("membrane" in mechanisms) + 3 * frames_of_lag(model) * ("lag" in mechanisms) + (model.n_p > 0)
     bytes_alone = pixels + model.N_ts + 2

@@ -25,7 +25,7 @@ _SHARE_OF_FIELD = Description(
     "1", "share of the field that changed recently, delayed (eq. 14)", "FFI, share of the field"
 )
 _PER_TIME = Description("grey level", "delayed feed-forward inhibition in 1/30 s (eq. 14)", "FFI in 1/30 s")
-MECHANISMS = ("size", "shunt", "lag", "membrane", "rate", "lamina")
+MECHANISMS = ("size", "shunt", "lag", "membrane", "rate", "lamina", "habituation")
 """What the paper's circuit does not have, by the names that `LGMD2(mechanisms=...)` takes."""
 ABLATIONS: Mapping[str, Mapping[str, float]] = {
     "ffi": {"T_ffi": 1e9},
@@ -60,9 +60,10 @@ class LGMD2(AbstractNetwork):
       of the field that changed of late, and A_ffi its threshold), `"shunt"` (inhibition divides, and the excitation
       has an exponent), `"lag"` (the cell sees the pixels late), `"membrane"` (the excitation is low-passed, which
       needs the shunt), `"rate"` (the cell sees change per time instead of per frame: MP and F are scaled to a frame
-      of 1/30 s by the interval that each frame had, so that k and T_ffi are right at any frame rate) and `"lamina"`
+      of 1/30 s by the interval that each frame had, so that k and T_ffi are right at any frame rate), `"lamina"`
       (a change of luminance fades with tau_lamina instead of after a frame, so that T_s, T_ffi and k are right at any
-      frame rate; without persistence and without `"rate"`).
+      frame rate; without persistence and without `"rate"`) and `"habituation"` (a pixel excites the cell the less the
+      more it did so of late, so that what moves on and on is answered less than what is new).
     - `eye`: the sampling that the parameters belong to; where it is given, `fps` may be left out of a call.
 
     **Raises:** `ValueError` for structure that does not exist and for persistence that is not stable.
@@ -89,8 +90,8 @@ class LGMD2(AbstractNetwork):
 
     @property
     def pixels(self) -> Pixels:
-        codes_size, has_lamina = "size" in self.mechanisms, "lamina" in self.mechanisms
-        return Pixels(self.parameters, self.thresholds, self.n_p, self.low_pass, codes_size, has_lamina)
+        has = (name in self.mechanisms for name in ("size", "lamina", "habituation"))
+        return Pixels(self.parameters, self.thresholds, self.n_p, self.low_pass, *has)
 
     @property
     def cell(self) -> Cell:
@@ -135,14 +136,14 @@ class LGMD2(AbstractNetwork):
 
     def at_interval(self, ratio: float):
         """As of any network, but that persistence over more than one frame stays as it is; k and T_ffi too, where they
-        are compared with change per time, and with T_s where a lamina sees changes.
+        are compared with change per time, and with T_s and S_hab where a lamina sees changes.
         """
         other = super().at_interval(ratio)
         kept = () if self.n_p == 1 else ("u",)
         if {"rate", "lamina"} & set(self.mechanisms):
             kept += "k", "T_ffi"
         if "lamina" in self.mechanisms:
-            kept += ("T_s",)
+            kept += "T_s", "S_hab"
         values = {name: getattr(self.parameters, name) for name in kept}
         return dataclasses.replace(other, parameters=dataclasses.replace(other.parameters, **values))
 

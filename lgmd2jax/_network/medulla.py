@@ -31,6 +31,11 @@ def s_layer(s_on: Map, s_off: Map, parameters: Parameters) -> Map:
     return parameters.theta1 * s_on + parameters.theta2 * s_off + parameters.theta3 * s_on * s_off
 
 
+def habituated(s: Map, fatigue: Map, S_hab: Scalar) -> Map:
+    """Habituation: S/(1 + B/S_hab). The `fatigue` B is a low-pass of what it left of max(S, 0) in the frames before."""
+    return s * S_hab / (S_hab + fatigue)
+
+
 def gate(s: Map, T_s: Float[Array, ""], thresholds: Thresholds) -> Map:
     """Eq. 9: S' = S where S >= T_s, else 0."""
     return s * thresholds.s(s, T_s)

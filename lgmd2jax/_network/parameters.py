@@ -16,6 +16,7 @@ _SHUNT = "multiplication by division: Keil 2011; exponentiation: Gabbiani et al.
 _LAG = "delays of photoreceptors, lamina and synapses" + _OURS
 _MEMBRANE = "leaky membrane" + _OURS
 _LAMINA = "transient answers of the large monopolar cells: Laughlin 1981; Srinivasan, Laughlin & Dubs 1982" + _OURS
+_HABITUATION = "habituation of the synapses onto the LGMD: O'Shea & Rowell 1976" + _OURS
 _declares = functools.partial(declares, source="Fu, Hu & Yue, Table I")
 
 
@@ -174,7 +175,7 @@ class Parameters(ParameterSet):
         default=19.0,
         converter=scalar,
         metadata=declares(
-            "height of a step of luminance from which a pixel counts as changed",
+            "height of a step of luminance (with a lamina of D) from which a pixel counts as changed",
             "grey level",
             "(0, inf)",
             (5.0, 60.0),
@@ -250,6 +251,35 @@ class Parameters(ParameterSet):
             scale="log",
             stage="pixels",
             mechanism="lamina",
+        ),
+    )
+    tau_hab: Float[Array, ""] = eqx.field(
+        default=400.0,
+        converter=scalar,
+        metadata=declares(
+            "time constant of habituation, and of recovery from it",
+            "ms",
+            "(0, inf)",
+            (50.0, 2000.0),
+            _HABITUATION,
+            scale="log",
+            stage="pixels",
+            mechanism="habituation",
+        ),
+    )
+    S_hab: Float[Array, ""] = eqx.field(
+        default=10.0,
+        converter=scalar,
+        metadata=declares(
+            "excitation by a pixel of late that halves what it adds",
+            "grey level",
+            "(0, inf)",
+            (0.5, 100.0),
+            _HABITUATION,
+            scale="log",
+            stage="pixels",
+            per_frame="change",
+            mechanism="habituation",
         ),
     )
 

@@ -16,7 +16,8 @@ from lgmd2jax._types import Map, Scalar
 class Traces(eqx.Module):
     """What the pixels remember of changes, with the border. It is pointwise: neighbours only feed forward.
 
-    `held`: M, how much of late a pixel changed; for size-coding inhibition alone.
+    `held`: M, how much of late a pixel changed; for size-coding inhibition alone. `fatigue`: B, how
+    much it excited the cell of late; for habituation alone.
     """
 
     p: Float[Array, "n_p row_and_border col_and_border"]
@@ -25,21 +26,24 @@ class Traces(eqx.Module):
     d_on: Bordered
     d_off: Bordered
     held: Map | None = None
+    fatigue: Map | None = None
 
 
 class Signals(NamedTuple):
-    """The flows that meet in a local sum: ON, OFF, and the lateral spread of their delayed ones."""
+    """What S is made of: ON, OFF, the lateral spread of their delayed ones, and the fatigue until then, B(t-1)."""
 
     on: Map
     off: Map
     spread_on: Map
     spread_off: Map
+    fatigue: Map | None = None
 
 
-def signals_of(traces: Traces) -> Signals:
-    """Eqs 5 and 6: the flows of a frame. Of sensitivities too, of which some are None."""
-    flows, delayed = jax.tree.map(inside, (traces.on, traces.off)), jax.tree.map(lateral, (traces.d_on, traces.d_off))
-    return Signals(*flows, *delayed)
+def signals_of(traces: Traces, before: Traces) -> Signals:
+    """Eqs 5 and 6: the flows of a frame, and the fatigue before it. Of sensitivities too, of which some are None."""
+    on, off = jax.tree.map(inside, (traces.on, traces.off))
+    spread_on, spread_off = jax.tree.map(lateral, (traces.d_on, traces.d_off))
+    return Signals(on, off, spread_on, spread_off, before.fatigue)
 
 
 def mp_of(s_gated: Map) -> Scalar:

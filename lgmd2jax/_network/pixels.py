@@ -1,5 +1,7 @@
 """The pixel stage of the LGMD2: eqs 1-11 and 13."""
 
+import dataclasses
+
 import equinox as eqx
 import jax.numpy as jnp
 
@@ -31,7 +33,8 @@ class Layers(eqx.Module):
 
     - `p`: P, the change of luminance with its persistence (eq. 1) or with what the lamina keeps of it.
     - `on`, `off`: the two pathways (eqs 2, 3); `d_on`, `d_off`: the same, delayed (eq. 4).
-    - `s_on`, `s_off`: the local sums of each pathway (eq. 7). `s`: S, both together (eq. 8).
+    - `s_on`, `s_off`: the local sums of each pathway (eq. 7). `s`: S, both together (eq. 8), or what habituation leaves
+      of it.
     - `s_gated`: S', what passes T_s (eq. 9). `g`: its 3x3 mean (eq. 10).
     - `f`: the map whose mean is F: abs(P) (eq. 13), or with size-coding inhibition M, from 0 to 1, how much a pixel
       changed of late.
@@ -64,6 +67,7 @@ class Pixels(PixelParts):
     low_pass: LowPass = eqx.field(static=True)
     codes_size: bool = eqx.field(static=True)
     has_lamina: bool = eqx.field(static=True)
+    habituates: bool = eqx.field(static=True)
 
     @property
     def _kept(self) -> int:
@@ -76,7 +80,8 @@ class Pixels(PixelParts):
     def traces_at_rest(self, frame: Map) -> Traces:
         zero = jnp.zeros((frame.shape[0] + 2, frame.shape[1] + 2), frame.dtype)
         held = jnp.zeros_like(frame) if self.codes_size else None
-        return Traces(jnp.zeros((self._kept, *zero.shape), zero.dtype), zero, zero, zero, zero, held)
+        fatigue = jnp.zeros_like(frame) if self.habituates else None
+        return Traces(jnp.zeros((self._kept, *zero.shape), zero.dtype), zero, zero, zero, zero, held, fatigue)
 
     def over(self, frames, interval: Interval, record: Record | None = None):
         if record is None:
@@ -85,7 +90,7 @@ class Pixels(PixelParts):
 
     def step(self, state: PixelState, frame: Map, interval: Scalar) -> tuple[PixelState, Sums, Layers]:
         traces, f, p = self.remember(state.traces, bordered(frame - state.luminance), interval)
-        signals = signals_of(traces)
+        signals = signals_of(traces, state.traces)
         s = self.add_flows(signals)
         return PixelState(frame, traces), Sums(self.gate_and_pool(s), f), self._layers(traces, p, signals, s)
 
@@ -97,7 +102,7 @@ class Pixels(PixelParts):
             signals.off,
             inside(traces.d_on),
             inside(traces.d_off),
-            *medulla.local_sums(*signals, self.parameters.w_bias),
+            *self._local_sums(signals),
             s,
             s_gated,
             medulla.g_layer(bordered(s_gated)),
@@ -105,7 +110,7 @@ class Pixels(PixelParts):
         )
 
     def remember(self, traces: Traces, change: Bordered, interval: Scalar) -> tuple[Traces, Scalar, Bordered]:
-        """Eqs 1-4, and F: eq. 13 or the share of the field that changed recently."""
+        """Eqs 1-4, what habituates, and F: eq. 13 or the share of the field that changed recently."""
         a = coefficient(self.parameters.tau1, interval, self.low_pass)
         p = retina.photoreceptors(change, traces.p, *self._of_changes(interval))
         on, off = retina.half_wave(p)
@@ -114,13 +119,21 @@ class Pixels(PixelParts):
         d_on = low_pass(traces.d_on, on, a)
         d_off = low_pass(traces.d_off, off, a)
         history = jnp.concatenate([p[None], traces.p])[: self._kept]
+        new = Traces(history, on, off, d_on, d_off)
+        if traces.fatigue is not None:
+            new = dataclasses.replace(new, fatigue=self._fatigue(traces.fatigue, signals_of(new, traces), interval))
         if traces.held is None:
-            return Traces(history, on, off, d_on, d_off), retina.mean_change(inside(p)), p
+            return new, retina.mean_change(inside(p)), p
         # What lasts for a frame alone reaches that share of its height when delayed; of a lamina P lasts longer.
         height = self.parameters.T_p if self.has_lamina else a * self.parameters.T_p
         changed = self.thresholds.change(inside(d_on + d_off), height)
         held = medulla.hold(traces.held, changed, self.parameters.tau_hold, interval)
-        return Traces(history, on, off, d_on, d_off, held), pool(held, 1 / held.size), p
+        return dataclasses.replace(new, held=held), pool(held, 1 / held.size), p
+
+    def _fatigue(self, before: Map, signals: Signals, interval: Scalar) -> Map:
+        """B(t): a low-pass of what S excites."""
+        excites = jnp.maximum(self.add_flows(signals), 0)
+        return low_pass(before, excites, coefficient(self.parameters.tau_hab, interval, self.low_pass))
 
     def _of_changes(self, interval: Scalar):
         """What is left of each P before, and the share of a change that there is at its end."""
@@ -129,9 +142,15 @@ class Pixels(PixelParts):
         return retina.persistence(self.parameters.u, self.n_p), 1.0
 
     def add_flows(self, signals: Signals) -> Map:
-        """Eqs 7 and 8."""
-        s_on, s_off = medulla.local_sums(*signals, self.parameters.w_bias)
-        return medulla.s_layer(s_on, s_off, self.parameters)
+        """Eqs 7 and 8, and habituation."""
+        s = medulla.s_layer(*self._local_sums(signals), self.parameters)
+        return s if signals.fatigue is None else medulla.habituated(s, signals.fatigue, self.parameters.S_hab)
+
+    def _local_sums(self, signals: Signals) -> tuple[Map, Map]:
+        """Eq. 7."""
+        return medulla.local_sums(
+            signals.on, signals.off, signals.spread_on, signals.spread_off, self.parameters.w_bias
+        )
 
     def gate(self, s: Map) -> Map:
         """Eq. 9."""

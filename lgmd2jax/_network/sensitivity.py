@@ -96,7 +96,7 @@ def _scan(pixels: PixelParts, frames, interval, names: tuple[str, ...], first, h
             return traces, f
 
         traces, f = advance(pixels, carry.traces)
-        signals = signals_of(traces)
+        signals = signals_of(traces, carry.traces)
         if not names:
             mp = pixels.gate_and_pool(pixels.add_flows(signals))
             return _Carry(traces, {}, border), (Sums(mp, f), ({}, {}))
@@ -109,7 +109,8 @@ def _scan(pixels: PixelParts, frames, interval, names: tuple[str, ...], first, h
             """Of the traces, MP and F."""
             unit = _unit(pixels, name)
             maps, df = of_advance(unit, carry.sensitivities[name])
-            along = unit, signals_of(maps)  # linear in the traces, so that it is its own derivative
+            # Signals are linear in the traces, so that they are their own derivative.
+            along = unit, signals_of(maps, carry.sensitivities[name])
             _, ds = eqx.filter_jvp(lambda stage, signals: stage.add_flows(signals), (pixels, signals), along)
             _, dmp = eqx.filter_jvp(lambda stage: stage.gate_and_pool(s), (pixels,), (unit,))
             return maps, _total((dmp, None if ds is None else pool(by_s * ds))), df

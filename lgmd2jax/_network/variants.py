@@ -19,8 +19,8 @@ def ablate(model: AnyNetwork, *mechanisms: str) -> AnyNetwork:
     - `"sfa"`: no spike-frequency adaptation; `smp_adapted` is `smp`.
     - `"lateral"`: no inhibition in the local sums (eq. 7).
     - `"on"`, `"off"`: the pathway, and its product with the other, carries no weight (eq. 8).
-    - `"size"`, `"shunt"`, `"lag"`, `"membrane"`, `"rate"`, `"lamina"`: the mechanism that the paper's circuit does not
-      have, where the model has it; without the shunt there is no membrane either.
+    - `"size"`, `"shunt"`, `"lag"`, `"membrane"`, `"rate"`, `"lamina"`, `"habituation"`: the mechanism that the paper's
+      circuit does not have, where the model has it; without the shunt there is no membrane either.
 
     **Raises:** `ValueError` for another name, and for what the model does not have: a `YueRindLGMD1` has
     FFI and lateral inhibition alone.
@@ -45,12 +45,12 @@ def ablate(model: AnyNetwork, *mechanisms: str) -> AnyNetwork:
 def at_frame_rate(model: AnyNetwork, fps: float | int) -> AnyNetwork:
     """The model for another frame rate, on an eye of that rate: what counts per frame is scaled.
 
-    What is compared with a change in a frame goes with the time that a frame lasts, as T_s, T_ffi, T_sfa and k; a share
-    that is left after a frame is raised to its power, as sigma1; N_ts and N_sp count as many frames as fill the same
-    time (`Symbol.per_frame` of each parameter). It is an approximation: an edge that is faster than a pixel a frame
-    changes fewer pixels instead, by as much. Persistence over more than one frame stays as it is, and so do T_ffi and k
-    of a model that sees change per time (`"rate"` of its mechanisms), and T_s, T_ffi and k of one with a `"lamina"`,
-    whose P is a change in a time of its own.
+    What is compared with a change in a frame goes with the time that a frame lasts, as T_s, S_hab, T_ffi, T_sfa and k;
+    a share that is left after a frame is raised to its power, as sigma1; N_ts and N_sp count as many frames as fill the
+    same time (`Symbol.per_frame` of each parameter). It is an approximation: an edge that is faster than a pixel a
+    frame changes fewer pixels instead, by as much. Persistence over more than one frame stays as it is, and so do T_ffi
+    and k of a model that sees change per time (`"rate"` of its mechanisms), and T_s, S_hab, T_ffi and k of one with a
+    `"lamina"`, whose P is a change in a time of its own.
 
     **Arguments:** `fps`: frames per second.
 

@@ -39,6 +39,11 @@ MODELS = {
     "size behind a lamina": lgmd.LGMD2(
         lgmd.Parameters(**_CELL, theta1=0.1, k=4.0, A_ffi=0.5), eye=EYE, mechanisms=("size", "lamina")
     ),
+    "habituation behind a lamina": lgmd.LGMD2(
+        lgmd.Parameters(**_CELL, theta1=0.1, k=2.0, T_ffi=25.0, S_hab=40.0, tau_hab=150.0),
+        eye=EYE,
+        mechanisms=("lamina", "habituation"),
+    ),
 }
 
 

@@ -61,6 +61,7 @@ def hard_responses(model, films):
         pytest.param("persistence, exact low-pass", marks=pytest.mark.slow),
         "all mechanisms",
         pytest.param("size behind a lamina", marks=pytest.mark.slow),
+        pytest.param("habituation behind a lamina", marks=pytest.mark.slow),
     ],
 )
 def test_a_hundred_thousand_random_frames(name, record_property, untyped):

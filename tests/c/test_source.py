@@ -35,6 +35,7 @@ TRACES = {
     "rate": ("REFERENCE_MS / interval_ms",),
     "persistence": ("LGMD2_N_P", "state->oldest"),
     "lamina": ("gone", "v.tau_lamina"),
+    "habituation": ("fatigue", "v.tau_hab", "v.S_hab"),
     "exact": ("return -expm1f",),
     "backward_euler": ("(interval + tau)",),
     "gate": ("<= v.T_ffi ?", "<= v.A_ffi ?"),

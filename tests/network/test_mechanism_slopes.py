@@ -64,6 +64,7 @@ def sums_by_parameters(rule, thresholds, **structure):
     [
         (lgmd.Soft(0.5), {"n_p": 2, "low_pass": "exact"}),
         (lgmd.Soft(0.5), {"mechanisms": ("size", "lamina")}),
+        (lgmd.Soft(0.5), {"mechanisms": ("size", "habituation")}),
         pytest.param(lgmd.StraightThrough(0.5), {"mechanisms": ("size", "lamina")}, marks=pytest.mark.slow),
         pytest.param(lgmd.StraightThrough(0.5), {}, marks=pytest.mark.slow),
         pytest.param(lgmd.Soft(0.5), {}, marks=pytest.mark.slow),
@@ -77,8 +78,10 @@ def test_the_exact_sensitivities_are_the_plain_ones(thresholds, structure):
     assert_close(found, sums_by_parameters(plain, thresholds, **structure))
     if not isinstance(thresholds, lgmd.Hard):
         of_f = {name for name in NAMES if np.any(getattr(found.f, name))}
-        of_p = {"u"} if structure.get("n_p") else {"tau_lamina"} if "mechanisms" in structure else set()
+        mechanisms = structure.get("mechanisms", ())
+        of_p = {"u"} if structure.get("n_p") else {"tau_lamina"} if "lamina" in mechanisms else set()
         assert of_f == {"tau1", "sigma1", "T_p", "tau_hold"} | of_p
+        assert all(np.any(getattr(found.mp, name)) == ("habituation" in mechanisms) for name in ("tau_hab", "S_hab"))
 
 
 def test_the_fast_scan_is_the_plain_one():
@@ -93,9 +96,12 @@ def test_the_fast_scan_is_the_plain_one():
 )
 def test_only_what_is_perturbed_and_remembers_carries_maps(mechanisms, n_p, of_p, kept):
     """M is held without a border, so the clip is so large here that a map of either kind counts as one."""
-    frames, own = jnp.zeros((3, 50, 60)), 6 + kept  # ON, OFF, D_on, D_off, M, those of P, one to lay a border onto
-    more = {"tau1": 3, "sigma1": 5, of_p: 5 + kept, "T_p": 1, "tau_hold": 1}
-    for name in ("tau1", of_p, "T_p", "tau_hold", "A_ffi", "lag"):
+    fatigue = int("habituation" in mechanisms)
+    # ON, OFF, D_on, D_off, M, those of P, one to lay a border onto, and B
+    frames, own = jnp.zeros((3, 50, 60)), 6 + kept + fatigue
+    more = {"tau1": 3 + fatigue, "sigma1": 5 + fatigue, of_p: 5 + kept + fatigue, "T_p": 1, "tau_hold": 1}
+    more |= {"tau_hab": fatigue, "S_hab": fatigue}
+    for name in ("tau1", of_p, "T_p", "tau_hold", "A_ffi", "lag", *(("tau_hab", "S_hab") if fatigue else ())):
 
         def response(value, name=name):
             parameters = dataclasses.replace(PARAMETERS, **{name: value})

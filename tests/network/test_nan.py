@@ -21,7 +21,7 @@ NETWORKS = {
     },
     **{
         f"hard, {' '.join(mechanisms)}": lgmd.LGMD2(PARAMETERS, mechanisms=mechanisms)
-        for mechanisms in (("size",), ("shunt",), ("lag",), ("size", "lag"), ("lamina",))
+        for mechanisms in (("size",), ("shunt",), ("lag",), ("size", "lag"), ("lamina",), ("habituation",))
     },
     "hard, silent": lgmd.LGMD2(lgmd.Parameters(theta2=0.0, T_ffi=1e-9)),
     **{f"Yue & Rind, {name}": lgmd.YueRindLGMD1(thresholds=thresholds) for name, thresholds in THRESHOLDS.items()},

@@ -38,7 +38,9 @@ def assert_close(found, expected):
         np.testing.assert_allclose(leaf, other, rtol=0, atol=1e-11 * np.abs(other).max())
 
 
-@pytest.mark.parametrize("structure", [{"n_p": 2}, {"mechanisms": ("size",)}, {"mechanisms": ("lamina",)}], ids=str)
+@pytest.mark.parametrize(
+    "structure", [{"n_p": 2}, {"mechanisms": ("size",)}, {"mechanisms": ("lamina", "habituation")}], ids=str
+)
 def test_sums_and_their_derivatives_are_those_of_the_whole_field(in_fours, structure):
     def with_derivatives(of):
         return jax.jit(lambda *inputs: (of(*inputs, SOFT, structure), jax.jacfwd(of)(*inputs, SOFT, structure)))

@@ -21,7 +21,7 @@ values = lgmd.Parameters(theta1=.4, theta2=1.3, theta3=.02, T_ffi=60, k=40, T_sp
 for network in (
     lgmd.LGMD2(values),
     lgmd.LGMD2(values, lgmd.Soft(.5), **every),
-    lgmd.LGMD2(values, lgmd.Soft(.5), mechanisms=("size", "lamina")),
+    lgmd.LGMD2(values, lgmd.Soft(.5), mechanisms=("size", "lamina", "habituation")),
 ):
     clip, state = network(frames, 30.), network.init(frames[0])
     assert clip.smp.dtype == np.float32 and np.ptp(clip.smp) > 0

@@ -45,7 +45,7 @@ def add(commands: argparse._SubParsersAction) -> None:
         metavar="MECHANISM",
         nargs="*",
         help="one model as it is, and without each of these: ffi, sfa, lateral, on, off, and of size, shunt, lag, "
-        "membrane, rate, lamina those that it has; all of them where none is named",
+        "membrane, rate, lamina, habituation those that it has; all of them where none is named",
     )
     variants.add_argument("--raster", action="store_true", help="one model on other rasters, and what changes by that")
     parser.add_argument(

@@ -61,7 +61,7 @@ def add(commands: argparse._SubParsersAction) -> None:
         nargs="*",
         metavar="NAME",
         help="the mechanisms of the circuit instead of the recipe's: of size, shunt, lag, membrane, rate, "
-        "lamina; none for the paper's circuit. Parameters that come into play by that are free too",
+        "lamina, habituation; none for the paper's circuit. Parameters that come into play by that are free too",
     )
     parser.add_argument(
         "--clips",
