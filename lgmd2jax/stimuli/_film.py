@@ -16,6 +16,7 @@ from lgmd2jax.stimuli._encounter import Encounter, chance_of
 from lgmd2jax.stimuli._film_camera import recorded
 from lgmd2jax.stimuli._film_kinds import COLLISIONS, OTHERS
 from lgmd2jax.stimuli._film_scene import draw
+from lgmd2jax.stimuli._flash import flashed
 from lgmd2jax.stimuli._flutter import fluttered
 from lgmd2jax.stimuli._shot import Shot
 from lgmd2jax.stimuli._stimulus import Stimulus
@@ -49,9 +50,10 @@ def random_film(
     - `"turning"`: a camera in a hand, on a robot or under a drone turns and sways.
 
     Ground, walls, distance and objects carry pieces of scikit-image's photographs, of which each ray sees as much as it
-    resolves; in some films leaves, water or a crowd stir in a part of the field; a tenth are shot at night, with lamps.
-    Exposure, contrast, noise, flicker and frame rate (8 to 60 frames a second) are random too; half of the films pass
-    through H.264, a tenth keep the repeated frames of a conversion.
+    resolves; in some films leaves, water or a crowd stir in a part of the field, or the light changes suddenly, as by
+    lamps that pass or between trees; a tenth are shot at night, with lamps. Exposure, contrast, noise, flicker and
+    frame rate (8 to 60 frames a second) are random too; half of the films pass through H.264, a tenth keep the repeated
+    frames of a conversion.
 
     **Arguments:**
 
@@ -78,7 +80,7 @@ def random_film(
         raise ValueError(f"duration_ms is {duration_ms} at {rate:g} fps; give time for 2 frames or more")
     shot = Shot(chance, lasts - np.arange(count)[::-1] / rate)
     scene, motion, left = (COLLISIONS | OTHERS)[kind](shot)
-    frames = recorded(fluttered(draw(eye, scene, motion), shot), shot)
+    frames = recorded(flashed(fluttered(draw(eye, scene, motion), shot), shot), shot)
     time = jnp.arange(count) * 1000 / rate
     return Encounter(kind, Stimulus(jnp.asarray(frames, dtype=float), rate, time, "film"), 1000 * left)
 

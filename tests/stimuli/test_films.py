@@ -12,6 +12,7 @@ from lgmd2jax.alarms import LabelledClip, Rendering
 from lgmd2jax.stimuli._film_camera import _as_h264, _exposure
 from lgmd2jax.stimuli._film_kinds import COLLISIONS, OTHERS, Thing, _camera, _film, _look
 from lgmd2jax.stimuli._film_scene import coarse, draw
+from lgmd2jax.stimuli._flash import flashed
 from lgmd2jax.stimuli._flutter import fluttered
 from lgmd2jax.stimuli._shot import Shot
 
@@ -132,6 +133,22 @@ def test_leaves_stir_alike_at_any_frame_rate_and_in_a_part_of_the_field():
         restless += stirs.any()
         assert stirs.mean() < 0.9
     assert 4 <= restless <= 12  # of 20, a half wanted
+
+
+def test_flashes_are_of_the_whole_field_at_any_frame_rate_and_pass():
+    seen = 0
+    for seed in range(20):
+        slow, fast = (flashed(np.full((round(LASTS * fps), 20, 36), 100.0), shot(seed, fps)) for fps in (15.0, 30.0))
+        np.testing.assert_allclose(slow, fast[1::2])
+        changes = np.abs(fast - 100)
+        if changes.max() == 0:
+            continue
+        seen += 1
+        brightest = changes.max(axis=(1, 2)).argmax()
+        assert changes[brightest].min() >= 0.09 * changes[brightest].max()
+        assert (changes[brightest] == changes[brightest, :1]).all()  # in all rows alike
+        assert fast.min() >= 20
+    assert 3 <= seen <= 11  # of 20, .3 wanted
 
 
 def test_exposure_evens_out_a_change_of_light_and_keeps_its_pace_at_any_frame_rate():
