@@ -175,7 +175,7 @@ class Parameters(ParameterSet):
         default=19.0,
         converter=scalar,
         metadata=declares(
-            "height of a step of luminance (with a lamina of D) from which a pixel counts as changed",
+            "step of luminance (behind a lamina: of D) from which a pixel counts as changed",
             "grey level",
             "(0, inf)",
             (5.0, 60.0),
