@@ -26,6 +26,8 @@ def claims(run) -> Iterator[Claim]:
         *[("gradient", "forward soft", size, 3.5) for size in (LARGE, SMALL)],
         *[(f"forward {kind}, mechanisms", f"forward {kind}", SMALL, 1.35) for kind in ("hard", "soft")],
         ("jacobian, mechanisms", "forward soft", SMALL, 4.5),
+        ("forward hard, habituation", "forward hard", SMALL, 1.35),
+        ("jacobian, habituation", "forward soft", SMALL, 4.5),
         *[("forward hard", "numba loop", size, 0.8) for size in (LARGE, ROBOT, SMALL)],
         ("batch, best", "numba loop", SMALL, 1.0),
         *[("forward hard", "PyTorch", size, 1 / 3) for size in (LARGE, ROBOT, SMALL)],

@@ -97,11 +97,13 @@ def library_subjects(size: Size) -> dict[str, Subject]:
     frames = jnp.asarray(film(size, FRAMES))
     made = {
         "forward hard": _library.forward(lgmd.Hard()),
+        "forward hard, habituation": _library.forward(lgmd.Hard(), ("habituation",)),
         "forward hard, mechanisms": _library.forward(lgmd.Hard(), _library.MECHANISMS),
         "forward soft": _library.forward(lgmd.Soft()),
         "forward soft, mechanisms": _library.forward(lgmd.Soft(), _library.MECHANISMS),
         "gradient": _library.gradient(),
         "jacobian": _library.jacobian(),
+        "jacobian, habituation": _library.jacobian(mechanisms=("habituation",)),
         "jacobian, mechanisms": _library.jacobian(mechanisms=_library.MECHANISMS),
         "naive gradient": _library.naive_gradient(),
         "naive jacobian": _library.naive_jacobian(),

@@ -39,11 +39,11 @@ class Signals(NamedTuple):
     fatigue: Map | None = None
 
 
-def signals_of(traces: Traces, before: Traces) -> Signals:
+def signals_of(traces: Traces) -> Signals:
     """Eqs 5 and 6: the flows of a frame, and the fatigue before it. Of sensitivities too, of which some are None."""
     on, off = jax.tree.map(inside, (traces.on, traces.off))
     spread_on, spread_off = jax.tree.map(lateral, (traces.d_on, traces.d_off))
-    return Signals(on, off, spread_on, spread_off, before.fatigue)
+    return Signals(on, off, spread_on, spread_off, traces.fatigue)
 
 
 def mp_of(s_gated: Map) -> Scalar:
@@ -60,11 +60,15 @@ class PixelParts(AbstractPixels):
 
     @abc.abstractmethod
     def remember(self, traces: Traces, change: Bordered, interval: Scalar) -> tuple[Traces, Scalar, Bordered]:
-        """All that has a memory, each pixel by itself: the next traces, F, and P."""
+        """All that has a memory, each pixel by itself: the next traces, F, and P. The fatigue is still that before."""
 
     @abc.abstractmethod
     def add_flows(self, signals: Signals) -> Map:
         """S."""
+
+    @abc.abstractmethod
+    def tire(self, traces: Traces, s: Map, interval: Scalar) -> Traces:
+        """The traces with the fatigue by S of this frame, where pixels habituate."""
 
     @abc.abstractmethod
     def gate(self, s: Map) -> Map:

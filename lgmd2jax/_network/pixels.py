@@ -90,9 +90,10 @@ class Pixels(PixelParts):
 
     def step(self, state: PixelState, frame: Map, interval: Scalar) -> tuple[PixelState, Sums, Layers]:
         traces, f, p = self.remember(state.traces, bordered(frame - state.luminance), interval)
-        signals = signals_of(traces, state.traces)
+        signals = signals_of(traces)
         s = self.add_flows(signals)
-        return PixelState(frame, traces), Sums(self.gate_and_pool(s), f), self._layers(traces, p, signals, s)
+        layers = self._layers(traces, p, signals, s)
+        return PixelState(frame, self.tire(traces, s, interval)), Sums(self.gate_and_pool(s), f), layers
 
     def _layers(self, traces: Traces, p: Bordered, signals: Signals, s: Map) -> Layers:
         s_gated = medulla.gate(s, self.parameters.T_s, self.thresholds)
@@ -110,7 +111,7 @@ class Pixels(PixelParts):
         )
 
     def remember(self, traces: Traces, change: Bordered, interval: Scalar) -> tuple[Traces, Scalar, Bordered]:
-        """Eqs 1-4, what habituates, and F: eq. 13 or the share of the field that changed recently."""
+        """Eqs 1-4, and F: eq. 13 or the share of the field that changed recently."""
         a = coefficient(self.parameters.tau1, interval, self.low_pass)
         p = retina.photoreceptors(change, traces.p, *self._of_changes(interval))
         on, off = retina.half_wave(p)
@@ -119,21 +120,21 @@ class Pixels(PixelParts):
         d_on = low_pass(traces.d_on, on, a)
         d_off = low_pass(traces.d_off, off, a)
         history = jnp.concatenate([p[None], traces.p])[: self._kept]
-        new = Traces(history, on, off, d_on, d_off)
-        if traces.fatigue is not None:
-            new = dataclasses.replace(new, fatigue=self._fatigue(traces.fatigue, signals_of(new, traces), interval))
         if traces.held is None:
+            new = Traces(history, on, off, d_on, d_off, None, traces.fatigue)
             return new, retina.mean_change(inside(p)), p
         # What lasts for a frame alone reaches that share of its height when delayed; of a lamina P lasts longer.
         height = self.parameters.T_p if self.has_lamina else a * self.parameters.T_p
         changed = self.thresholds.change(inside(d_on + d_off), height)
         held = medulla.hold(traces.held, changed, self.parameters.tau_hold, interval)
-        return dataclasses.replace(new, held=held), pool(held, 1 / held.size), p
+        return Traces(history, on, off, d_on, d_off, held, traces.fatigue), pool(held, 1 / held.size), p
 
-    def _fatigue(self, before: Map, signals: Signals, interval: Scalar) -> Map:
-        """B(t): a low-pass of what S excites."""
-        excites = jnp.maximum(self.add_flows(signals), 0)
-        return low_pass(before, excites, coefficient(self.parameters.tau_hab, interval, self.low_pass))
+    def tire(self, traces: Traces, s: Map, interval: Scalar) -> Traces:
+        """B(t) of habituation: a low-pass of S where it excites."""
+        if traces.fatigue is None:
+            return traces
+        a = coefficient(self.parameters.tau_hab, interval, self.low_pass)
+        return dataclasses.replace(traces, fatigue=low_pass(traces.fatigue, jnp.maximum(s, 0), a))
 
     def _of_changes(self, interval: Scalar):
         """What is left of each P before, and the share of a change that there is at its end."""

@@ -96,12 +96,12 @@ def _scan(pixels: PixelParts, frames, interval, names: tuple[str, ...], first, h
             return traces, f
 
         traces, f = advance(pixels, carry.traces)
-        signals = signals_of(traces, carry.traces)
-        if not names:
-            mp = pixels.gate_and_pool(pixels.add_flows(signals))
-            return _Carry(traces, {}, border), (Sums(mp, f), ({}, {}))
-        of_advance = _linearised(advance, pixels, carry.traces)
+        signals = signals_of(traces)
         s = pixels.add_flows(signals)
+        tired = pixels.tire(traces, s, own)
+        if not names:
+            return _Carry(tired, {}, border), (Sums(pixels.gate_and_pool(s), f), ({}, {}))
+        of_advance = _linearised(advance, pixels, carry.traces)
         s_gated, to_s = jax.vjp(pixels.gate, s)
         mp, (by_s,) = mp_of(s_gated), to_s(jnp.ones_like(s))
 
@@ -109,17 +109,18 @@ def _scan(pixels: PixelParts, frames, interval, names: tuple[str, ...], first, h
             """Of the traces, MP and F."""
             unit = _unit(pixels, name)
             maps, df = of_advance(unit, carry.sensitivities[name])
-            # Signals are linear in the traces, so that they are their own derivative.
-            along = unit, signals_of(maps, carry.sensitivities[name])
+            along = unit, signals_of(maps)  # linear in the traces, so that it is its own derivative
             _, ds = eqx.filter_jvp(lambda stage, signals: stage.add_flows(signals), (pixels, signals), along)
             _, dmp = eqx.filter_jvp(lambda stage: stage.gate_and_pool(s), (pixels,), (unit,))
+            if traces.fatigue is not None:
+                _, maps = eqx.filter_jvp(lambda stage, *of: stage.tire(*of, own), (pixels, traces, s), (unit, maps, ds))
             return maps, _total((dmp, None if ds is None else pool(by_s * ds))), df
 
         every = {name: derivatives(name) for name in names}
         maps = {name: of_traces for name, (of_traces, _, _) in every.items()}
         mp_rows: Rows = {name: of_mp for name, (_, of_mp, _) in every.items()}
         f_rows: Rows = {name: of_f for name, (_, _, of_f) in every.items()}
-        return _Carry(traces, maps, border), (Sums(mp, f), (mp_rows, f_rows))
+        return _Carry(tired, maps, border), (Sums(mp, f), (mp_rows, f_rows))
 
     rest = pixels.traces_at_rest(frames[0, :height].astype(interval.dtype))
     maps = {name: _maps_at_rest(pixels, name, rest, interval) for name in names}
@@ -151,7 +152,8 @@ def _maps_at_rest(pixels: PixelParts, name: str, rest: Traces, interval: Interva
 
     def reach(maps):
         def advance(pixels, traces):
-            return pixels.remember(traces, rest.on, own)[0]
+            traces, _, _ = pixels.remember(traces, rest.on, own)
+            return pixels.tire(traces, pixels.add_flows(signals_of(traces)), own)
 
         return eqx.filter_jvp(advance, (pixels, rest), (_unit(pixels, name), maps))[1]
 
