@@ -90,8 +90,15 @@ class LGMD2(AbstractNetwork):
 
     @property
     def pixels(self) -> Pixels:
-        has = (name in self.mechanisms for name in ("size", "lamina", "habituation"))
-        return Pixels(self.parameters, self.thresholds, self.n_p, self.low_pass, *has)
+        return Pixels(
+            self.parameters,
+            self.thresholds,
+            self.n_p,
+            self.low_pass,
+            codes_size="size" in self.mechanisms,
+            has_lamina="lamina" in self.mechanisms,
+            habituates="habituation" in self.mechanisms,
+        )
 
     @property
     def cell(self) -> Cell:

@@ -1,4 +1,4 @@
-"""The pixel stage of the LGMD2 in three parts, by what a derivative needs of each (`sensitivity`)."""
+"""The pixel stage of the LGMD2 in four parts, by what a derivative needs of each (`sensitivity`)."""
 
 import abc
 from typing import NamedTuple
@@ -16,8 +16,8 @@ from lgmd2jax._types import Map, Scalar
 class Traces(eqx.Module):
     """What the pixels remember of changes, with the border. It is pointwise: neighbours only feed forward.
 
-    `held`: M, how much of late a pixel changed; for size-coding inhibition alone. `fatigue`: B, how
-    much it excited the cell of late; for habituation alone.
+    `held`: M, how much of late a pixel changed; for size-coding inhibition alone. `fatigue`: B, how much of late it
+    excited the cell; for habituation alone.
     """
 
     p: Float[Array, "n_p row_and_border col_and_border"]
@@ -52,7 +52,7 @@ def mp_of(s_gated: Map) -> Scalar:
 
 
 class PixelParts(AbstractPixels):
-    """What pixels remember, how flows add up to S, and the gate with the sum over the field."""
+    """What pixels remember, how flows add up to S, what that tires, and the gate with the sum over the field."""
 
     @abc.abstractmethod
     def traces_at_rest(self, frame: Map) -> Traces:

@@ -5,7 +5,7 @@ So a parameter needs one map of sensitivities for each array of the state that d
 state: forward mode over time. A parameter without memory needs no map at all. Within a frame it is forward mode up to
 S, whose derivative is multiplied by the slope of MP in S, one map for all parameters, and added up.
 
-Nothing here repeats an equation of the network. JAX differentiates the three parts of the stage (`parts`), and which
+Nothing here repeats an equation of the network. JAX differentiates the four parts of the stage (`parts`), and which
 part and which state depend on which parameter is read from the result: `equinox.filter_jvp` returns None for no change.
 """
 
@@ -112,8 +112,7 @@ def _scan(pixels: PixelParts, frames, interval, names: tuple[str, ...], first, h
             along = unit, signals_of(maps)  # linear in the traces, so that it is its own derivative
             _, ds = eqx.filter_jvp(lambda stage, signals: stage.add_flows(signals), (pixels, signals), along)
             _, dmp = eqx.filter_jvp(lambda stage: stage.gate_and_pool(s), (pixels,), (unit,))
-            if traces.fatigue is not None:
-                _, maps = eqx.filter_jvp(lambda stage, *of: stage.tire(*of, own), (pixels, traces, s), (unit, maps, ds))
+            _, maps = eqx.filter_jvp(lambda stage, *of: stage.tire(*of, own), (pixels, traces, s), (unit, maps, ds))
             return maps, _total((dmp, None if ds is None else pool(by_s * ds))), df
 
         every = {name: derivatives(name) for name in names}

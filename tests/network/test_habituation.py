@@ -7,9 +7,7 @@ import numpy as np
 import pytest
 
 import lgmd2jax as lgmd
-from tests import clips
-
-FRAMES = clips.patchy(33, (14, 5, 7))
+from tests.network.test_mechanisms import FRAMES, streamed
 
 
 def model(mechanisms=("habituation",), **values) -> lgmd.LGMD2:
@@ -109,9 +107,5 @@ def test_what_is_recorded_as_s_is_what_the_threshold_sees():
 def test_stepping_gives_what_the_scan_does():
     """To the rounding of sums that compilers order as they like."""
     network = model(("lamina", "habituation"), theta1=0.4, sigma1=0.1, w_bias=0.3, tau1=20.0, S_hab=3.0)
-    state, stepped = network.init(FRAMES[0]), []
-    for frame in FRAMES:
-        state, now = network.step(state, frame, interval=20.0)
-        stepped.append(float(now.mp))
-    whole = mp(network)
+    whole, stepped = mp(network), streamed(network, FRAMES, np.full(len(FRAMES), 20.0))["mp"]
     np.testing.assert_allclose(stepped, whole, rtol=0, atol=1e-14 * whole.max())
