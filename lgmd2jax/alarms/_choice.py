@@ -6,7 +6,8 @@ import numpy as np
 from jaxtyping import Bool, Float
 from scipy.special import expit
 
-_COARSE, _FINE = 41, 21  # thresholds looked at between the bounds, then between the neighbours of the best
+_COARSE, _FINE = 81, 21  # thresholds looked at between the bounds, then between the neighbours of the best
+_NARROW = 0.1  # of the deviation of a candidate's evidence over the events, which may lie close together
 
 
 class Choice(NamedTuple):
@@ -41,10 +42,11 @@ def choose(
     scale of the logistic, in units of U'.
     """
     side, weights_ = np.where(wanted, -1.0, 1.0).astype(np.float32), weights.astype(np.float32)
+    scale = np.clip(_NARROW * peaks.std(axis=1, keepdims=True), 1e-6, slack).astype(np.float32)
     scaled = peaks.astype(np.float32)
 
     def risk(threshold):
-        return expit(side * (scaled - np.reshape(threshold, (-1, 1)).astype(np.float32)) / np.float32(slack)) @ weights_
+        return expit(side * (scaled - np.reshape(threshold, (-1, 1)).astype(np.float32)) / scale) @ weights_
 
     coarse = np.linspace(low, high, _COARSE)
     best = coarse[np.argmin([risk(threshold) for threshold in coarse], axis=0)]

@@ -14,7 +14,7 @@ from lgmd2jax.alarms._clip_batch import Sums
 from lgmd2jax.alarms._problem import AlarmProblem
 from lgmd2jax.fitting._search.search import Search
 
-_SLACK = 0.02  # of U': an event so near to T_sp is at risk
+_SLACK = 0.02  # of U' at most: an event so near to T_sp is at risk
 _CLOSER = 3  # looks at cells around the best so far, each half as far as the one before
 _ANYWHERE = 0.2  # how far the first of them goes after the screening, in the unit box
 _AFTER_DESCENT = 0.05  # and after a descent

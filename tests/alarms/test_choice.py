@@ -10,7 +10,8 @@ LOW, HIGH, SLACK = 0.55, 0.95, 0.01
 
 def risk_at(row, wanted, weights, T):
     """The logistic share of each event that lies on its wrong side, one by one."""
-    share = [1 / (1 + np.exp((peak - T if hit else T - peak) / SLACK)) for peak, hit in zip(row, wanted, strict=True)]
+    scale = min(SLACK, 0.1 * row.std())
+    share = [1 / (1 + np.exp((peak - T if hit else T - peak) / scale)) for peak, hit in zip(row, wanted, strict=True)]
     return float(np.dot(weights, share))
 
 
@@ -36,6 +37,18 @@ def test_of_what_is_right_the_widest_margin_is_at_least_risk():
     assert choice.cost.tolist() == [1, 0, 0]
     assert choice.threshold[1:] == pytest.approx([0.75, 0.75], abs=2e-3)
     assert choice.margin[1:] == pytest.approx([0.05, 0.15], abs=2e-3)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_evidence_that_lies_close_together_gets_the_same_threshold(seed):
+    """A circuit that compresses its evidence is judged as one that does not, once its deviation is below the slack."""
+    chance = np.random.default_rng(seed)
+    wanted = chance.random(30) < 0.5
+    peaks = chance.normal(np.where(wanted, 0.8, 0.7), 0.06)[None]
+    wide = choose(peaks, wanted, np.ones(30), LOW, HIGH, SLACK)
+    close = choose(peaks / 20, wanted, np.ones(30), LOW / 20, HIGH / 20, SLACK)
+    assert close.threshold == pytest.approx(wide.threshold / 20, abs=1e-4)
+    assert close.cost == wide.cost
 
 
 def test_an_event_that_hangs_by_a_hair_counts_for_half():
