@@ -85,14 +85,15 @@ class Comparison:
     @classmethod
     @checked
     def of(
-        cls, detectors: Mapping[str, Detector], training: tuple[str, Mapping[str, Evaluation]] | None = None
+        cls, detectors: Mapping[str, Detector], training: tuple[str, Mapping[str, Detector]] | None = None
     ) -> "Comparison":
         """Compare detectors on their clips.
 
         At a budget each has the lowest threshold that keeps within it on clips that are none of those judged.
 
-        **Arguments:** `training`: words for other clips, and what each detector does on them: thresholds are chosen on
-        these. Without it the thresholds for a source are chosen on the other sources.
+        **Arguments:** `training`: words for clips that are not judged, and what each detector does on them. The
+        threshold for a source is chosen on these and on the other sources that are judged; that for a clip without a
+        source, on these alone where they are given.
 
         **Raises:** `ValueError` for clips without any silence.
         """
@@ -100,7 +101,7 @@ class Comparison:
         if not sum(clip.silent_minutes for clip in clips):
             raise ValueError("no clip has a silence, in which false alarms are counted; give at least one")
         groups = _groups(clips)
-        folds, words = _folds(clips, groups) if training is None else (None, training[0])
+        folds, words = _folds(clips, groups, None if training is None else training[0])
         compared: dict[str, Compared] = {}
         for name, detector in detectors.items():
             at_budgets = {}
@@ -209,10 +210,12 @@ def _groups(clips: Sequence[ClipLabels]) -> Int[np.ndarray, " clip"]:
 
 
 def _folds(
-    clips: Sequence[ClipLabels], groups: Int[np.ndarray, " clip"]
+    clips: Sequence[ClipLabels], groups: Int[np.ndarray, " clip"], training: str | None
 ) -> tuple[Int[np.ndarray, " clip"] | None, str]:
-    """Which clips are judged together by thresholds of the others, and words for it; None where that cannot be."""
+    """Which clips are judged together by thresholds of the others, and words for it; None for no others."""
     folds = groups % _FOLDS
+    if training is not None:
+        return (folds, f"{training} and the other sources") if any(clip.source for clip in clips) else (None, training)
     minutes = np.bincount(folds, [clip.silent_minutes for clip in clips])
     if np.all(minutes.sum() - minutes > 0):
         return folds, "the clips of the other sources"
@@ -220,18 +223,25 @@ def _folds(
 
 
 def _chosen(
-    detector: Detector, budget: float, folds: Int[np.ndarray, " clip"] | None, training: Evaluation | None
+    detector: Detector, budget: float, folds: Int[np.ndarray, " clip"] | None, training: Detector | None
 ) -> Float[np.ndarray, " clip"]:
     """The threshold for each clip."""
     clips = detector.evaluation.clips
     if folds is None:
-        return np.full(len(clips), threshold_within(training or detector.evaluation, budget))
+        return np.full(len(clips), threshold_within((training or detector).evaluation, budget))
     keys = [(fold, clip.source if detector.without else None) for fold, clip in zip(folds, clips, strict=True)]
-    known = {
-        (fold, source): threshold_within(detector.for_source(source).among(folds != fold), budget)
-        for fold, source in dict.fromkeys(keys)
-    }
+    known = {}
+    for fold, source in dict.fromkeys(keys):
+        others = detector.for_source(source).among(folds != fold)
+        if training is not None:
+            others = _together(training.for_source(source), others)
+        known[fold, source] = threshold_within(others, budget)
     return np.array([known[key] for key in keys])
+
+
+def _together(some: Evaluation, others: Evaluation) -> Evaluation:
+    """What a detector does on two sets of clips; what drove it is left out."""
+    return Evaluation((*some.clips, *others.clips), (*some.evidence, *others.evidence), some.T_sp)
 
 
 def _own(detector: Detector) -> Outcome | None:

@@ -140,7 +140,6 @@ def fit(
         left_out = _candidates(work.do("leaving out", task, events_of))
         stopped = work.stop.is_set()
     winner = min([*best.values(), *descents.values()], key=risk)
-    recorded_clips = [clip for clip in clips if clip.source is not None]
     names, fitted = list(sources), _model_at(model, free, winner)
     return AlarmFit(
         model=fitted,
@@ -156,8 +155,7 @@ def fit(
             AlarmDescent(number, best[number].margin, after.margin, after.cost) for number, after in descents.items()
         ),
         without={
-            names[source]: evaluate(_model_at(model, free, candidate), recorded_clips)
-            for source, candidate in left_out.items()
+            names[source]: evaluate(_model_at(model, free, candidate), clips) for source, candidate in left_out.items()
         },
         stopped=stopped,
     )

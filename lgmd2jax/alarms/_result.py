@@ -31,7 +31,7 @@ class AlarmFit:
     - `ranges`: between which values each parameter lay in those that were right.
     - `descended`: the best starts, and what the descent brought.
     - `without`: for each source of recorded clips, what a model that was searched and chosen without that source does
-      on all recorded clips; empty for a single source and for very many.
+      on all clips; empty for a single source and for very many.
     - `stopped`: whether it was stopped by hand.
     """
 

@@ -2,11 +2,13 @@
 
 import argparse
 import functools
+import itertools
 import time
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
+from jaxtyping import Bool
 
 from lgmd2jax._compute.cluster import is_installed
 from lgmd2jax._compute.finished_work import Memory
@@ -100,32 +102,33 @@ def _comparisons(
     Where no silence says how often a detector may alarm, there is no comparison. `memory`: keeps what each detector
     did, as of the fit.
     """
+    if not held_out and not fit.without:
+        return None, {}
     others = functools.partial(_kept, memory, functools.partial(_others, fit.model))
+    recorded = np.array([clip.source is not None for clip in clips])
+    chosen = recorded if recorded.all() else ~recorded
+    chosen = chosen & (np.cumsum(chosen) <= _TRAINING)
+    some = list(itertools.compress(clips, chosen))
+    on_these = {MODEL: _fitted(fit, chosen), **_detectors(others("detectors, fitted clips", some))}
+    training = f"{len(some)} of the fitted clips", on_these
     scores, comparisons = None, {}
     if held_out:
         own = _kept(memory, lambda some: {MODEL: evaluate(fit.model, some)}, "the model, held out", held_out)
         shown = {**own, **others("detectors, held out", held_out)}
         scores = HeldOutScores.of({"fitted": shown[MODEL], **{TITLES[name]: shown[name] for name in TABLE_I}})
-        words, some, fitted = _training(fit, clips)
-        if scores.minutes and fitted.silent_minutes:
-            training = {MODEL: fitted, **others("detectors, fitted clips", some)}
+        if scores.minutes and on_these[MODEL].evaluation.silent_minutes:
             title = f"Held-out clips: {scores.windows} windows, {scores.minutes:.1f} minutes of silence"
-            comparisons[title] = Comparison.of(_detectors(shown), (words, training))
-    recorded = np.array([clip.source is not None for clip in clips])
+            comparisons[title] = Comparison.of(_detectors(shown), training)
     if fit.without and fit.evaluation.among(recorded).silent_minutes:
-        own = Detector(fit.evaluation.among(recorded), fit.without)
-        sources = [clip for clip in clips if clip.source is not None]
-        comparisons[_WITHOUT] = Comparison.of({MODEL: own, **_detectors(others("detectors, recorded clips", sources))})
+        sources = list(itertools.compress(clips, recorded))
+        judged = {MODEL: _fitted(fit, recorded), **_detectors(others("detectors, recorded clips", sources))}
+        comparisons[_WITHOUT] = Comparison.of(judged, None if recorded.all() else training)
     return scores, comparisons
 
 
-def _training(fit: AlarmFit, clips: Sequence[LabelledClip]) -> tuple[str, list[LabelledClip], Evaluation]:
-    """Some of the fitted clips, in words and themselves, and what the model does on them: rendered ones, if any."""
-    rendered = np.array([clip.source is None for clip in clips])
-    chosen = rendered if rendered.any() else np.ones(len(clips), bool)
-    chosen &= np.cumsum(chosen) <= _TRAINING
-    some = [clip for clip, on in zip(clips, chosen, strict=True) if on]
-    return f"{len(some)} of the fitted clips", some, fit.evaluation.among(chosen)
+def _fitted(fit: AlarmFit, chosen: Bool[np.ndarray, " clip"]) -> Detector:
+    """What the fitted model does on some of the clips, and what those that were fitted without a source do."""
+    return Detector(fit.evaluation.among(chosen), {source: each.among(chosen) for source, each in fit.without.items()})
 
 
 def _kept(

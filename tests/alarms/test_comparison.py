@@ -1,5 +1,7 @@
 """Detectors at equal budgets of false alarms, against counts by hand, brute force and scipy's own intervals."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 import scipy
@@ -98,13 +100,39 @@ def test_a_fitted_detector_is_judged_by_the_fit_without_the_source():
 def test_thresholds_of_other_clips():
     loud = minute(f9=0.9, f30=0.8, f60=0.7)
     model = detector(loud, loud, 0.5, 0.75)
-    training = Evaluation((silence(loud),), (loud,), np.inf)
+    model = Detector(anonymous(model.evaluation))
+    training = Detector(Evaluation((silence(loud),), (loud,), np.inf))
     comparison = Comparison.of({"model": model}, ("other clips", {"model": training}))
     assert comparison.training == "other clips"
     outcome = comparison.detectors["model"].at_budgets[2.0]
     assert outcome.threshold == pytest.approx((0.75, 0.75))
     assert outcome.counts.hits.sum() == 1
     assert outcome.counts.false_alarms.sum() == 4
+
+
+def anonymous_silence():
+    return dataclasses.replace(silence(np.zeros(600)), source=None)
+
+
+def anonymous(evaluation):
+    """The same clips, of no source."""
+    clips = tuple(dataclasses.replace(clip, source=None) for clip in evaluation.clips)
+    return dataclasses.replace(evaluation, clips=clips)
+
+
+def test_thresholds_of_other_clips_and_of_the_other_sources():
+    """For the source b by the fit without it, which raises other alarms on all clips; a is judged by the whole one."""
+    quiet, loud, rendered = minute(f9=0.3), minute(f9=0.9, f30=0.8, f60=0.7), (anonymous_silence(),)
+    whole = detector(quiet, loud, 0.5, 0.5, 0.4).evaluation
+    blind = dataclasses.replace(whole, evidence=tuple(np.zeros(len(trace)) for trace in whole.evidence))
+    trained = [Evaluation(rendered, (minute(f9=0.6, f30=level, f60=0.4),), 0.4) for level in (0.55, 0.5)]
+    films = "films", {"model": Detector(trained[0], {"b": trained[1]})}
+    comparison = Comparison.of({"model": Detector(whole, {"b": blind})}, films)
+    assert comparison.training == "films and the other sources"
+    # Two alarms in two minutes: for a .9 and .8, but not .7; for b .6 and .5, but not .4.
+    outcome = comparison.detectors["model"].at_budgets[1.0]
+    assert outcome.threshold == pytest.approx((0.45, 0.75))
+    assert outcome.counts.false_alarms.sum() == 0
 
 
 def test_one_source_chooses_for_itself_and_says_so():
