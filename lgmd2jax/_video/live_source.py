@@ -18,6 +18,7 @@ _PIPE = "-"
 _DRIVERS = {"linux": "v4l2", "darwin": "avfoundation", "win32": "dshow"}  # of cameras, as ffmpeg names them
 # What a stream holds is told by its first bytes, and the decoder keeps no frame back.
 _WITHOUT_DELAY = {"flags": "low_delay", "probesize": "32768", "analyzeduration": "100000"}
+_WAKE_S = 0.2  # a wait is no longer at a time: a Ctrl-C that another thread received is seen between two
 
 
 class Arrival(NamedTuple):
@@ -74,11 +75,13 @@ class LiveSource:
             yield arrival
 
     def _take(self) -> Arrival | None:
+        latest = time.monotonic() + self._timeout
         with self._changed:
-            came = self._changed.wait_for(lambda: self._newest is not None or self._ended, self._timeout)
+            while self._newest is None and not self._ended:
+                if (left := latest - time.monotonic()) <= 0:
+                    raise _silent(self.name, self._timeout)
+                self._changed.wait(min(left, _WAKE_S))
             arrival, self._newest = self._newest, None
-        if not came:
-            raise _silent(self.name, self._timeout)
         if arrival is None and self._fault is not None:
             raise _refusal(self.name, self._fault, self._timeout)
         return arrival

@@ -247,20 +247,30 @@ def test_a_frame_of_another_size_is_refused():
 
 
 class Pressing(Tally):
-    """Presses Ctrl-C half a second after the first frame, when all have come."""
+    """Presses Ctrl-C half a second after the first frame, when all have come; another thread receives the signal."""
 
     def add(self, moment):
         super().add(moment)
         if self.frames == 1:
-            threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT)).start()
+            threading.Timer(0.5, lambda: signal.pthread_kill(threading.get_ident(), signal.SIGINT)).start()
 
 
+@pytest.fixture
+def obeying_ctrl_c():
+    """A job in the background ignores it, and so do the tests that it runs."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("obeying_ctrl_c")
 def test_ctrl_c_ends_it_well(place, capsys, monkeypatch):
     monkeypatch.setattr(live, "Tally", Pressing)
-    over = threading.Event()
+    over, begun = threading.Event(), time.monotonic()
     with over_tcp(looms(20), then=over) as url:
-        assert main(["live", url, "--csv", "a.csv", "--timeout", "15"]) == 0
+        assert main(["live", url, "--csv", "a.csv", "--timeout", "30"]) == 0
         over.set()
+    assert time.monotonic() - begun < 15  # the line stays open for 20
     assert f"source   {url}: {len(table('a.csv'))} frames" in capsys.readouterr().out
 
 
