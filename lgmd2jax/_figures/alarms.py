@@ -64,7 +64,7 @@ def clips_figure(path: str | os.PathLike, evaluation: Evaluation, name: str) -> 
 
 
 def operating_figure(path: str | os.PathLike, evaluation: Evaluation) -> None:
-    """Hits against false alarms over all T_sp, both over T_sp itself, and how long before contact the alarm came."""
+    """On the fitted clips: hits against false alarms over all T_sp, both over T_sp itself, and the time to contact."""
     highest = max(float(trace.max(initial=0.5)) for trace in evaluation.evidence)
     thresholds = np.linspace(0.5, min(highest + 0.02, 1.0), _STEPS)
     hits, false = evaluation.operating_curve(thresholds)
@@ -77,6 +77,7 @@ def operating_figure(path: str | os.PathLike, evaluation: Evaluation) -> None:
             score.false_alarms.value, score.hits.value, "o", color=VERMILION, label=f"T_sp = {evaluation.T_sp:.3f}"
         )
         curve.set(xlabel="false alarms a minute", ylabel="windows hit", ylim=(-0.03, 1.03), xlim=(-0.03 * most, None))
+        curve.set_title("fitted clips")
         curve.legend(loc="lower right")
         over.plot(thresholds, hits, color=GREEN, label="windows hit")
         over.plot(thresholds, false / most, color=BLACK, label="false alarms (1: the most)")

@@ -46,7 +46,7 @@ class AlarmFolder:
         from lgmd2jax._figures.alarms import clips_figure, operating_figure, worst_figure  # these need matplotlib
 
         def draw(folder: Path) -> None:
-            clips_figure(folder / _FIGURES[0], self.fit.evaluation, self.name)
+            clips_figure(folder / _FIGURES[0], self.fit.evaluation, f"{self.name}, fitted clips")
             operating_figure(folder / _FIGURES[1], self.fit.evaluation)
             worst_figure(folder / _FIGURES[2], self.fit.evaluation)
 

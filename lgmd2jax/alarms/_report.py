@@ -43,7 +43,7 @@ def _before_contact(milliseconds: Sequence[float]) -> str:
     return f"{first} ms before contact" if first == last else f"{first} to {last} ms before contact, median {median}"
 
 
-def clip_section(evaluation: Evaluation, left_out: Mapping[str, int]) -> Section:
+def clip_section(evaluation: Evaluation, left_out: Mapping[str, int], title: str = "Clips") -> Section:
     """A row for each clip. `left_out`: errors on a clip of the fit without its source, by the clip's name."""
     verdicts, score = evaluation.verdicts(), evaluation.score()
     worst_first = sorted(verdicts, key=lambda verdict: (verdict.right, verdict.margin))
@@ -66,7 +66,7 @@ def clip_section(evaluation: Evaluation, left_out: Mapping[str, int]) -> Section
     columns += ("fit without its source",) if left_out else ()
     few = "" if len(rows) == len(verdicts) else f": the {_MOST} with the smallest margin, of {len(verdicts)}"
     table = tuple(_row(verdict, evaluation.T_sp, left_out) for verdict in rows)
-    return Section(f"Clips{few}", columns, table, tuple(sentences))
+    return Section(f"{title}{few}", columns, table, tuple(sentences))
 
 
 def _row(verdict: Verdict, T_sp: float, left_out: Mapping[str, int]) -> tuple[str, ...]:

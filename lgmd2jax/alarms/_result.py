@@ -81,7 +81,7 @@ class AlarmFit:
         """
         return [
             *unfinished_section(unfinished),
-            _report.clip_section(self.evaluation, self.left_out),
+            _report.clip_section(self.evaluation, self.left_out, "Fitted clips"),
             *([] if held_out is None or comparisons else [_report.held_out_section(held_out)]),
             *(_report.comparison_section(title, each) for title, each in (comparisons or {}).items()),
             _report.search_section(self.screened, self.right, self.descended, self.left_out, self.stopped),

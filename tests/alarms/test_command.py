@@ -83,6 +83,7 @@ def test_the_folder(place):
     assert set(content["values"]) == {"k", "T_ffi", "T_sp"}
     assert content["held_out"]["windows"] == 2
     report = (place / "mine/report.txt").read_text()
+    assert report.startswith("Fitted clips")
     assert "Held-out clips: 2 windows" in report
     assert "Table I, T_sp 0.65" in report
 
@@ -92,6 +93,7 @@ def test_own_clips_are_judged_by_what_was_fitted_without_their_source(place):
     assert set(content["left_out"]) == {"own", "hit"}  # no rendered one
     assert content["recipe"]["weights"]["recorded"] == 1
     comparison = content["comparisons"]["Recorded clips, each source judged by a fit without it"]
+    assert comparison["thresholds_from"].endswith("of the fitted clips and the other sources")
     assert [clip["source"] for clip in comparison["clips"]] == ["own", "garden"]
     wrong, model = content["left_out"], comparison["detectors"]["model"]
     missed, broken = 1 - model["hits"]["count"], [clip["false_alarms"] > 0 for clip in comparison["clips"]]
