@@ -39,7 +39,7 @@ def choose(
 
     **Arguments:** `peaks`: the largest evidence in each event, which is a window in which an alarm is `wanted`, or all
     that must be silent of a clip. `weights`: what it costs to miss it, or to give a false alarm there. `slack`: the
-    scale of the logistic, in units of U'.
+    scale of the logistic at most, in units of U'; it is less where a candidate's evidence lies close together.
     """
     side, weights_ = np.where(wanted, -1.0, 1.0).astype(np.float32), weights.astype(np.float32)
     scale = np.clip(_NARROW * peaks.std(axis=1, keepdims=True), 1e-6, slack).astype(np.float32)

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import scipy
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
 from lgmd2jax._arguments.checked import checked
 from lgmd2jax.alarms._clip import ClipLabels
@@ -39,6 +39,12 @@ class Detector:
     def for_source(self, source: str | None) -> Evaluation:
         """The evaluation by which a source may be judged."""
         return self.evaluation if source is None else self.without.get(source, self.evaluation)
+
+    @checked
+    def among(self, chosen: Bool[np.ndarray, " clip"]) -> "Detector":
+        """What the detector does on some of the clips."""
+        without = {source: evaluation.among(chosen) for source, evaluation in self.without.items()}
+        return Detector(self.evaluation.among(chosen), without)
 
     @checked
     def counts(self, thresholds: Float[np.ndarray, " clip"]) -> Counts:

@@ -44,7 +44,10 @@ def _before_contact(milliseconds: Sequence[float]) -> str:
 
 
 def clip_section(evaluation: Evaluation, left_out: Mapping[str, int], title: str = "Clips") -> Section:
-    """A row for each clip. `left_out`: errors on a clip of the fit without its source, by the clip's name."""
+    """A row for each clip. `left_out`: errors on a clip of the fit without its source, by the clip's name.
+
+    `title`: which clips these are.
+    """
     verdicts, score = evaluation.verdicts(), evaluation.score()
     worst_first = sorted(verdicts, key=lambda verdict: (verdict.right, verdict.margin))
     rows = verdicts if len(verdicts) <= _MOST else worst_first[:_MOST]

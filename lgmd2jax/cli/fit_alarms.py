@@ -102,33 +102,38 @@ def _comparisons(
     Where no silence says how often a detector may alarm, there is no comparison. `memory`: keeps what each detector
     did, as of the fit.
     """
-    if not held_out and not fit.without:
-        return None, {}
     others = functools.partial(_kept, memory, functools.partial(_others, fit.model))
-    recorded = np.array([clip.source is not None for clip in clips])
-    chosen = recorded if recorded.all() else ~recorded
-    chosen = chosen & (np.cumsum(chosen) <= _TRAINING)
-    some = list(itertools.compress(clips, chosen))
-    on_these = {MODEL: _fitted(fit, chosen), **_detectors(others("detectors, fitted clips", some))}
-    training = f"{len(some)} of the fitted clips", on_these
     scores, comparisons = None, {}
     if held_out:
         own = _kept(memory, lambda some: {MODEL: evaluate(fit.model, some)}, "the model, held out", held_out)
         shown = {**own, **others("detectors, held out", held_out)}
         scores = HeldOutScores.of({"fitted": shown[MODEL], **{TITLES[name]: shown[name] for name in TABLE_I}})
-        if scores.minutes and on_these[MODEL].evaluation.silent_minutes:
+        words, training = _training(fit, clips, others)
+        if scores.minutes and training[MODEL].evaluation.silent_minutes:
             title = f"Held-out clips: {scores.windows} windows, {scores.minutes:.1f} minutes of silence"
-            comparisons[title] = Comparison.of(_detectors(shown), training)
+            comparisons[title] = Comparison.of(_detectors(shown), (words, training))
+    recorded = np.array([clip.source is not None for clip in clips])
     if fit.without and fit.evaluation.among(recorded).silent_minutes:
         sources = list(itertools.compress(clips, recorded))
-        judged = {MODEL: _fitted(fit, recorded), **_detectors(others("detectors, recorded clips", sources))}
-        comparisons[_WITHOUT] = Comparison.of(judged, None if recorded.all() else training)
+        judged = _beside(fit, recorded, others("detectors, recorded clips", sources))
+        comparisons[_WITHOUT] = Comparison.of(judged, None if recorded.all() else _training(fit, clips, others))
     return scores, comparisons
 
 
-def _fitted(fit: AlarmFit, chosen: Bool[np.ndarray, " clip"]) -> Detector:
-    """What the fitted model does on some of the clips, and what those that were fitted without a source do."""
-    return Detector(fit.evaluation.among(chosen), {source: each.among(chosen) for source, each in fit.without.items()})
+def _training(
+    fit: AlarmFit, clips: Sequence[LabelledClip], others: Callable[[str, Sequence[LabelledClip]], dict[str, Evaluation]]
+) -> tuple[str, dict[str, Detector]]:
+    """Some of the fitted clips, in words, and what each detector does on them: rendered ones, if any."""
+    rendered = np.array([clip.source is None for clip in clips])
+    chosen = rendered if rendered.any() else np.ones(len(clips), bool)
+    chosen &= np.cumsum(chosen) <= _TRAINING
+    some = list(itertools.compress(clips, chosen))
+    return f"{len(some)} of the fitted clips", _beside(fit, chosen, others("detectors, fitted clips", some))
+
+
+def _beside(fit: AlarmFit, chosen: Bool[np.ndarray, " clip"], others: Mapping[str, Evaluation]) -> dict[str, Detector]:
+    """The fitted model on the chosen clips, by what each source may be judged, and others beside it."""
+    return {MODEL: Detector(fit.evaluation, fit.without).among(chosen), **_detectors(others)}
 
 
 def _kept(

@@ -10,8 +10,9 @@ from lgmd2jax.alarms import Comparison, Counts, Detector, Evaluation, LabelledCl
 from lgmd2jax.alarms._comparison import more_hits, threshold_within
 
 
-def silence(trace, source="s", fps=10):
-    return LabelledClip.of(source, np.zeros((len(trace), 3, 3)), fps, silent=[(0, len(trace) - 1)], source=source)
+def silence(trace, source: str | None = "s", fps=10):
+    name, frames = source or "rendered", np.zeros((len(trace), 3, 3))
+    return LabelledClip.of(name, frames, fps, silent=[(0, len(trace) - 1)], source=source)
 
 
 def hit(source="s"):
@@ -99,8 +100,7 @@ def test_a_fitted_detector_is_judged_by_the_fit_without_the_source():
 
 def test_thresholds_of_other_clips():
     loud = minute(f9=0.9, f30=0.8, f60=0.7)
-    model = detector(loud, loud, 0.5, 0.75)
-    model = Detector(anonymous(model.evaluation))
+    model = Detector(anonymous(detector(loud, loud, 0.5, 0.75).evaluation))
     training = Detector(Evaluation((silence(loud),), (loud,), np.inf))
     comparison = Comparison.of({"model": model}, ("other clips", {"model": training}))
     assert comparison.training == "other clips"
@@ -108,10 +108,6 @@ def test_thresholds_of_other_clips():
     assert outcome.threshold == pytest.approx((0.75, 0.75))
     assert outcome.counts.hits.sum() == 1
     assert outcome.counts.false_alarms.sum() == 4
-
-
-def anonymous_silence():
-    return dataclasses.replace(silence(np.zeros(600)), source=None)
 
 
 def anonymous(evaluation):
@@ -122,7 +118,7 @@ def anonymous(evaluation):
 
 def test_thresholds_of_other_clips_and_of_the_other_sources():
     """For the source b by the fit without it, which raises other alarms on all clips; a is judged by the whole one."""
-    quiet, loud, rendered = minute(f9=0.3), minute(f9=0.9, f30=0.8, f60=0.7), (anonymous_silence(),)
+    quiet, loud, rendered = minute(f9=0.3), minute(f9=0.9, f30=0.8, f60=0.7), (silence(np.zeros(600), None),)
     whole = detector(quiet, loud, 0.5, 0.5, 0.4).evaluation
     blind = dataclasses.replace(whole, evidence=tuple(np.zeros(len(trace)) for trace in whole.evidence))
     trained = [Evaluation(rendered, (minute(f9=0.6, f30=level, f60=0.4),), 0.4) for level in (0.55, 0.5)]
